@@ -1,0 +1,57 @@
+//! Axis-parallel boxes.
+
+use super::Vec3;
+
+/// A closed axis-parallel box; empty when `lo > hi`.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Aabb {
+    /// Smallest coordinates.
+    pub lo: Vec3,
+    /// Largest coordinates.
+    pub hi: Vec3,
+}
+
+impl Aabb {
+    /// The box that holds nothing.
+    pub const EMPTY: Self = Self {
+        lo: Vec3::new(f64::INFINITY, f64::INFINITY, f64::INFINITY),
+        hi: Vec3::new(f64::NEG_INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY),
+    };
+    /// The smallest box around the points.
+    pub fn around<'a>(points: impl IntoIterator<Item = &'a Vec3>) -> Self {
+        points.into_iter().fold(Self::EMPTY, |b, p| b.with(p))
+    }
+    /// The smallest box around this one and a point.
+    pub fn with(self, p: &Vec3) -> Self {
+        Self { lo: self.lo.inf(p), hi: self.hi.sup(p) }
+    }
+    /// The smallest box around both.
+    pub fn union(self, other: &Self) -> Self {
+        Self { lo: self.lo.inf(&other.lo), hi: self.hi.sup(&other.hi) }
+    }
+    /// Whether the closed boxes share a point.
+    pub fn overlaps(&self, other: &Self) -> bool {
+        (0..3).all(|k| self.lo[k] <= other.hi[k] && other.lo[k] <= self.hi[k])
+    }
+    /// Whether the point is in the closed box.
+    pub fn contains(&self, p: &Vec3) -> bool {
+        (0..3).all(|k| self.lo[k] <= p[k] && p[k] <= self.hi[k])
+    }
+    /// The box moved outwards by `margin` on every side.
+    pub fn inflated(&self, margin: f64) -> Self {
+        let m = Vec3::repeat(margin);
+        Self { lo: self.lo - m, hi: self.hi + m }
+    }
+    /// Length of the diagonal; 0 if empty.
+    pub fn diagonal(&self) -> f64 {
+        if self.is_empty() { 0.0 } else { (self.hi - self.lo).norm() }
+    }
+    /// Centre.
+    pub fn center(&self) -> Vec3 {
+        (self.lo + self.hi) * 0.5
+    }
+    /// Whether it holds nothing.
+    pub fn is_empty(&self) -> bool {
+        (0..3).any(|k| self.lo[k] > self.hi[k])
+    }
+}

@@ -1,0 +1,128 @@
+//! A box tree over numbered boxes.
+//!
+//! Built by splitting at the median of the centres along the widest axis; the order is deterministic. Building costs
+//! O(n log n), a query O(log n + hits) on well spread boxes.
+
+use super::aabb::Aabb;
+
+/// Largest number of boxes in a tree leaf: below this, testing all is cheaper than descending.
+const LEAF_SIZE: usize = 4;
+
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    bounds: Aabb,
+    /// First item (leaf) or index of the right child (inner node; the left child follows its parent).
+    first: u32,
+    /// Number of items; 0 for an inner node.
+    count: u32,
+}
+
+/// A box tree. Item numbers are the positions in the slice that it was built from.
+#[derive(Clone, Debug, Default)]
+pub struct Bvh {
+    nodes: Vec<Node>,
+    items: Vec<u32>,
+    boxes: Vec<Aabb>,
+}
+
+impl Bvh {
+    /// The tree over `boxes`.
+    pub fn new(boxes: Vec<Aabb>) -> Self {
+        let mut keyed: Vec<(u32, [f64; 3])> = boxes.iter().enumerate().map(|(k, b)| (k as u32, b.center().into())).collect();
+        let mut nodes = Vec::with_capacity(boxes.len() / 2 + 1);
+        if !keyed.is_empty() {
+            split(&mut keyed, 0, &boxes, &mut nodes);
+        }
+        let items: Vec<u32> = keyed.into_iter().map(|k| k.0).collect();
+        Self { nodes, items, boxes }
+    }
+
+    /// Calls `visit` with the number of every box that overlaps `query`.
+    pub fn overlapping(&self, query: &Aabb, mut visit: impl FnMut(u32)) {
+        self.search(|b| b.overlaps(query), |i| visit(i));
+    }
+
+    /// Calls `visit` with the number of every box for which `accept` holds; `accept` must hold for a box whenever it holds
+    /// for one inside it.
+    pub fn search(&self, accept: impl Fn(&Aabb) -> bool, mut visit: impl FnMut(u32)) {
+        if self.nodes.is_empty() {
+            return;
+        }
+        let mut stack = vec![0u32];
+        while let Some(n) = stack.pop() {
+            let node = &self.nodes[n as usize];
+            if !accept(&node.bounds) {
+                continue;
+            }
+            if node.count == 0 {
+                stack.push(node.first);
+                stack.push(n + 1);
+            } else {
+                for &i in &self.items[node.first as usize..(node.first + node.count) as usize] {
+                    if accept(&self.boxes[i as usize]) {
+                        visit(i);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The box of an item.
+    pub fn bounds_of(&self, item: u32) -> &Aabb {
+        &self.boxes[item as usize]
+    }
+
+    /// The box of everything; empty if there is nothing.
+    pub fn bounds(&self) -> Aabb {
+        self.nodes.first().map_or(Aabb::EMPTY, |n| n.bounds)
+    }
+}
+
+fn split(keyed: &mut [(u32, [f64; 3])], offset: usize, boxes: &[Aabb], nodes: &mut Vec<Node>) {
+    let bounds = keyed.iter().fold(Aabb::EMPTY, |b, k| b.union(&boxes[k.0 as usize]));
+    let me = nodes.len();
+    nodes.push(Node { bounds, first: offset as u32, count: keyed.len() as u32 });
+    if keyed.len() <= LEAF_SIZE {
+        return;
+    }
+    let (mut lo, mut hi) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for (_, c) in keyed.iter() {
+        for k in 0..3 {
+            lo[k] = lo[k].min(c[k]);
+            hi[k] = hi[k].max(c[k]);
+        }
+    }
+    let axis = (0..3).fold(0, |a, k| if hi[k] - lo[k] > hi[a] - lo[a] { k } else { a });
+    let middle = keyed.len() / 2;
+    keyed.select_nth_unstable_by(middle, |a, b| a.1[axis].total_cmp(&b.1[axis]).then(a.0.cmp(&b.0)));
+    let (left, right) = keyed.split_at_mut(middle);
+    split(left, offset, boxes, nodes);
+    nodes[me].first = nodes.len() as u32;
+    nodes[me].count = 0;
+    split(right, offset + middle, boxes, nodes);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::Vec3;
+
+    #[test]
+    fn finds_what_a_full_search_finds() {
+        let boxes: Vec<Aabb> = (0..500)
+            .map(|k| {
+                let f = |m: u64| ((k as u64 * 7919 + m * 104_729) % 1000) as f64 / 100.0;
+                let lo = Vec3::new(f(1), f(2), f(3));
+                Aabb { lo, hi: lo + Vec3::new(f(4), f(5), f(6)) * 0.1 }
+            })
+            .collect();
+        let tree = Bvh::new(boxes.clone());
+        for query in boxes.iter().step_by(17) {
+            let mut found = Vec::new();
+            tree.overlapping(query, |i| found.push(i));
+            found.sort_unstable();
+            let all: Vec<u32> = (0..500).filter(|&i| boxes[i as usize].overlaps(query)).collect();
+            assert_eq!(found, all);
+        }
+    }
+}

@@ -1,0 +1,11 @@
+//! Pure mathematics without topology: exact signs, boxes, box trees, polygons.
+
+pub mod aabb;
+pub mod bvh;
+pub mod polygon;
+pub mod predicates;
+
+/// A position or direction, in the scene's unit.
+pub type Vec3 = nalgebra::Vector3<f64>;
+/// An affine map of space.
+pub type Affine = nalgebra::Affine3<f64>;

@@ -1,0 +1,191 @@
+//! Planar polygons with holes: normal, area, triangulation.
+
+use super::Vec3;
+use super::predicates::{Projection, orient2d};
+use spade::handles::FixedVertexHandle;
+use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
+
+/// Vector area of a polygon given by its loops (outer counter-clockwise about the result, holes clockwise): half the sum of
+/// the cross products, taken about the first vertex so that far-away polygons lose no digits. (Thesis 4.3: the normal of a
+/// non-convex polygon.)
+pub fn vector_area<'a>(loops: impl IntoIterator<Item = &'a [u32]>, points: &[Vec3]) -> Vec3 {
+    let mut sum = Vec3::zeros();
+    let mut origin = None;
+    for walk in loops {
+        for (k, &b) in walk.iter().enumerate() {
+            let a = points[walk[(k + walk.len() - 1) % walk.len()] as usize];
+            let o = *origin.get_or_insert(a);
+            sum += (a - o).cross(&(points[b as usize] - o));
+        }
+    }
+    sum * 0.5
+}
+
+/// Why a polygon has no triangulation.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum PolygonError {
+    /// Two of its edges cross or overlap in the projection.
+    NotSimple,
+    /// It has no area.
+    Flat,
+}
+
+/// Constrained Delaunay triangulation of a planar polygon in the projection along the dominant axis of its normal.
+///
+/// `loops`: vertex numbers, outer loop first and counter-clockwise about the polygon's normal, holes clockwise; a vertex may be
+/// listed by several loops. `chains`: further vertex pairs that must be edges. `lone`: further vertices inside.
+/// Yields triangles of the same orientation as the outer loop; no new vertices. The result depends only on the arguments.
+///
+/// # Errors
+/// If edges cross or overlap, or the area is zero.
+pub fn triangulate(
+    loops: &[&[u32]],
+    chains: &[[u32; 2]],
+    lone: &[u32],
+    points: &[Vec3],
+) -> Result<Vec<[u32; 3]>, PolygonError> {
+    let normal = vector_area(loops.iter().copied(), points);
+    if normal == Vec3::zeros() {
+        return Err(PolygonError::Flat);
+    }
+    let projection = Projection::along(&normal);
+    let flat = |v: u32| projection.apply(&points[v as usize]);
+    if let ([tri], [], []) = (loops, chains, lone)
+        && let &[a, b, c] = *tri
+    {
+        return if orient2d(flat(a), flat(b), flat(c)) > 0 { Ok(vec![[a, b, c]]) } else { Err(PolygonError::Flat) };
+    }
+    if let ([quad], [], []) = (loops, chains, lone)
+        && let &[a, b, c, d] = *quad
+        && let Some(pair) = split_quad([a, b, c, d], flat)
+    {
+        return Ok(pair.to_vec());
+    }
+    triangulate_general(loops, chains, lone, flat)
+}
+
+/// A convex quadrilateral, by far the most frequent polygon (strips), cut along its shorter diagonal.
+fn split_quad([a, b, c, d]: [u32; 4], flat: impl Fn(u32) -> [f64; 2]) -> Option<[[u32; 3]; 2]> {
+    let turn = |i, j, k| orient2d(flat(i), flat(j), flat(k));
+    if turn(a, b, c) <= 0 || turn(b, c, d) <= 0 || turn(c, d, a) <= 0 || turn(d, a, b) <= 0 {
+        return None;
+    }
+    let length = |i, j| {
+        let (p, q) = (flat(i), flat(j));
+        (p[0] - q[0]).powi(2) + (p[1] - q[1]).powi(2)
+    };
+    // Ties (rectangles) go by vertex number, so that both owners of a shared facet cut it alike.
+    let (ac, bd) = (length(a, c), length(b, d));
+    let along_ac = if ac == bd { a.min(c) < b.min(d) } else { ac < bd };
+    Some(if along_ac { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] })
+}
+
+fn triangulate_general(
+    loops: &[&[u32]],
+    chains: &[[u32; 2]],
+    lone: &[u32],
+    flat: impl Fn(u32) -> [f64; 2],
+) -> Result<Vec<[u32; 3]>, PolygonError> {
+    let mut vertices: Vec<u32> = loops
+        .iter()
+        .flat_map(|w| w.iter().copied())
+        .chain(chains.iter().flatten().copied())
+        .chain(lone.iter().copied())
+        .collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    let slot = |v: u32| vertices.binary_search(&v).unwrap_or(0);
+    // Flush what spade would refuse as too small; orientation is checked exactly below.
+    let tidy = |x: f64| if x.abs() < spade::MIN_ALLOWED_VALUE { 0.0 } else { x };
+    let positions: Vec<Point2<f64>> = vertices
+        .iter()
+        .map(|&v| {
+            let p = flat(v);
+            Point2::new(tidy(p[0]), tidy(p[1]))
+        })
+        .collect();
+    let boundary = || loops.iter().flat_map(|w| (0..w.len()).map(move |k| [w[k], w[(k + 1) % w.len()]]));
+    let edges: Vec<[usize; 2]> =
+        boundary().chain(chains.iter().copied()).map(|[a, b]| [slot(a), slot(b)]).filter(|[a, b]| a != b).collect();
+    let mut is_simple = true;
+    let cdt = ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(positions, edges, |_| is_simple = false)
+        .map_err(|_| PolygonError::NotSimple)?;
+    if !is_simple || cdt.num_vertices() != vertices.len() {
+        return Err(PolygonError::NotSimple);
+    }
+    // Winding number of each triangle: cross from the outside, adding what each boundary edge turns.
+    let mut winding = std::collections::HashMap::new();
+    for [a, b] in boundary() {
+        *winding.entry((slot(a), slot(b))).or_insert(0i32) += 1;
+        *winding.entry((slot(b), slot(a))).or_insert(0i32) -= 1;
+    }
+    let mut number = vec![None; cdt.num_all_faces()];
+    let outer = cdt.outer_face();
+    number[outer.index()] = Some(0i32);
+    let mut stack: Vec<_> = cdt.convex_hull().map(|e| if e.is_outer_edge() { e.rev() } else { e }).collect();
+    let mut inside = Vec::new();
+    while let Some(e) = stack.pop() {
+        let Some(face) = e.face().as_inner() else { continue };
+        if number[face.index()].is_some() {
+            continue;
+        }
+        let from = number[e.rev().face().index()].unwrap_or(0);
+        let step = winding.get(&(e.from().fix().index(), e.to().fix().index())).copied().unwrap_or(0);
+        number[face.index()] = Some(from + step);
+        if from + step > 0 {
+            inside.push(face.index());
+        }
+        stack.extend(face.adjacent_edges().iter().map(|e| e.rev()));
+    }
+    inside.sort_unstable();
+    let triangles: Vec<[u32; 3]> = cdt
+        .inner_faces()
+        .filter(|f| inside.binary_search(&f.index()).is_ok())
+        .map(|f| f.vertices().map(|v| vertices[FixedVertexHandle::index(&v.fix())]))
+        .collect();
+    if triangles.is_empty() { Err(PolygonError::Flat) } else { Ok(triangles) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn area(triangles: &[[u32; 3]], points: &[Vec3]) -> f64 {
+        triangles.iter().map(|t| vector_area([&t[..]], points).norm()).sum()
+    }
+
+    #[test]
+    fn square_with_square_hole() {
+        let p = |x: f64, y: f64| Vec3::new(2.0, x, y);
+        let points = [p(0., 0.), p(4., 0.), p(4., 4.), p(0., 4.), p(1., 1.), p(1., 3.), p(3., 3.), p(3., 1.)];
+        let triangles = triangulate(&[&[0, 1, 2, 3], &[4, 5, 6, 7]], &[], &[], &points).unwrap();
+        assert_eq!(triangles.len(), 8);
+        assert!((area(&triangles, &points) - 12.0).abs() < 1e-12);
+        assert!(triangles.iter().all(|t| vector_area([&t[..]], &points).x > 0.0));
+    }
+
+    #[test]
+    fn hole_that_touches_the_outer_loop_in_a_vertex() {
+        let p = |x: f64, y: f64| Vec3::new(x, y, 0.0);
+        let points = [p(0., 0.), p(4., 0.), p(4., 4.), p(0., 4.), p(1., 2.), p(2., 1.)];
+        let triangles = triangulate(&[&[0, 1, 2, 3], &[0, 4, 5]], &[], &[], &points).unwrap();
+        assert!((area(&triangles, &points) - 14.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn inner_chain_and_vertex_are_kept() {
+        let p = |x: f64, y: f64| Vec3::new(x, y, 0.0);
+        let points = [p(0., 0.), p(4., 0.), p(4., 4.), p(0., 4.), p(1., 1.), p(3., 1.), p(2., 3.)];
+        let triangles = triangulate(&[&[0, 1, 2, 3]], &[[4, 5]], &[6], &points).unwrap();
+        let has = |a, b| triangles.iter().any(|t| t.contains(&a) && t.contains(&b));
+        assert!(has(4, 5) && triangles.iter().any(|t| t.contains(&6)));
+        assert_eq!(triangles.len(), 8);
+    }
+
+    #[test]
+    fn crossing_edges_are_refused() {
+        let p = |x: f64, y: f64| Vec3::new(x, y, 0.0);
+        let points = [p(0., 0.), p(4., 4.), p(4., 0.), p(0., 5.)];
+        assert_eq!(triangulate(&[&[0, 1, 2, 3]], &[], &[], &points), Err(PolygonError::NotSimple));
+    }
+}

@@ -1,0 +1,92 @@
+//! Exact signs for points with `f64` coordinates (adaptive arithmetic of Shewchuk 1997, crate `robust`).
+//!
+//! This is the only place where the sign of a determinant of explicit points is computed; implicit points have
+//! `arrangement::point`. Coordinates must be finite and, as `scene` ensures, of a magnitude at which products of three
+//! neither overflow nor underflow.
+
+use super::Vec3;
+use robust::{Coord, Coord3D};
+use std::cmp::Ordering;
+
+fn c3(p: &Vec3) -> Coord3D<f64> {
+    Coord3D { x: p.x, y: p.y, z: p.z }
+}
+
+/// A sign as -1, 0 or +1.
+pub type Sign = i8;
+
+/// The sign of a number; 0 for zero.
+pub fn sign(x: f64) -> Sign {
+    match x.partial_cmp(&0.0) {
+        Some(Ordering::Greater) => 1,
+        Some(Ordering::Less) => -1,
+        _ => 0,
+    }
+}
+
+/// +1 if `d` lies on the side of the plane (a, b, c) from which a, b, c are seen counter-clockwise, that is, on the side
+/// of the normal (b - a) x (c - a); -1 on the other side, 0 if coplanar. Exact.
+pub fn orient3d(a: &Vec3, b: &Vec3, c: &Vec3, d: &Vec3) -> Sign {
+    // robust (after Shewchuk) is positive when d lies below, so the sign is turned.
+    -sign(robust::orient3d(c3(a), c3(b), c3(c), c3(d)))
+}
+
+/// +1 if a, b, c turn counter-clockwise in the plane, -1 if clockwise, 0 if collinear. Exact.
+pub fn orient2d(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> Sign {
+    let f = |p: [f64; 2]| Coord { x: p[0], y: p[1] };
+    sign(robust::orient2d(f(a), f(b), f(c)))
+}
+
+/// A projection along a coordinate axis that keeps orientation: counter-clockwise about a normal becomes counter-clockwise
+/// in the plane. Dropping a coordinate is exact.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub struct Projection {
+    /// Axis that becomes the first coordinate.
+    pub u: u8,
+    /// Axis that becomes the second coordinate.
+    pub v: u8,
+}
+
+impl Projection {
+    /// Along the dominant axis of `normal`.
+    pub fn along(normal: &Vec3) -> Self {
+        let axis = normal.iamax();
+        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+        if normal[axis] >= 0.0 { Self { u: u as u8, v: v as u8 } } else { Self { u: v as u8, v: u as u8 } }
+    }
+    /// The projected point.
+    pub fn apply(self, p: &Vec3) -> [f64; 2] {
+        [p[self.u as usize], p[self.v as usize]]
+    }
+    /// Whether two projections drop the same axis.
+    pub fn is_same_axis(self, other: Self) -> bool {
+        self.u + self.v == other.u + other.v
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn orientation_follows_the_right_hand_rule() {
+        let (o, x, y, z) = (Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z());
+        assert_eq!(orient3d(&o, &x, &y, &z), 1);
+        assert_eq!(orient3d(&o, &x, &y, &(-z)), -1);
+        assert_eq!(orient3d(&o, &x, &y, &(x + y)), 0);
+    }
+
+    #[test]
+    fn projection_keeps_orientation_for_every_axis() {
+        for axis in 0..3 {
+            for turn in [1.0, -1.0] {
+                let mut n = Vec3::zeros();
+                n[axis] = turn;
+                let a = Vec3::new(n.y, n.z, n.x);
+                let b = n.cross(&a);
+                let q = Projection::along(&n);
+                assert_eq!(orient2d([0.0, 0.0], q.apply(&a), q.apply(&b)), 1, "axis {axis} {turn}");
+            }
+        }
+    }
+}

@@ -1,0 +1,22 @@
+//! gsm: from a scene of parts to one valid piecewise linear complex.
+//!
+//! ```text
+//! scene.ron -- scene ------> parts as CSG trees with resolved numbers
+//!           -- primitive --> leaf solids: closed shells of facets, each with its surface
+//!           -- contact ----> what is meant to touch shares vertices; the one place with a tolerance
+//!           -- arrangement > leaves cut against each other, exactly; conforming cells
+//!           -- classify ---> labels: in or out of every leaf
+//!           -- patch ------> smooth support of facets, while everything is still alive
+//!           -- select -----> kill, retain or flip by the decision table
+//!           -- round ------> f64 coordinates, verified -> B-rep with uses and regions
+//!           -- remesh -----> collapse, swap, split, relocate
+//!           -- plc --------> .poly and manifest
+//! ```
+
+pub mod brep;
+pub mod contact;
+pub mod diag;
+pub mod geom;
+pub mod ids;
+pub mod primitive;
+pub mod scene;

@@ -1,0 +1,3 @@
+//! The `gsm` command.
+
+fn main() {}
