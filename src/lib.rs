@@ -13,10 +13,13 @@
 //!           -- plc --------> .poly and manifest
 //! ```
 
+pub mod arrangement;
 pub mod brep;
+pub mod classify;
 pub mod contact;
 pub mod diag;
 pub mod geom;
 pub mod ids;
 pub mod primitive;
 pub mod scene;
+pub mod select;

@@ -2,8 +2,11 @@
 
 pub mod aabb;
 pub mod bvh;
+pub mod dd;
+pub mod hash;
 pub mod polygon;
 pub mod predicates;
+pub mod union_find;
 
 /// A position or direction, in the scene's unit.
 pub type Vec3 = nalgebra::Vector3<f64>;

@@ -1,0 +1,271 @@
+//! Where two triangles with explicit vertices meet, exactly decided.
+//!
+//! Every contact of an edge of one with the other is found with its place on both; the caller interns the points and makes
+//! segments of them. All signs are of explicit points.
+
+use crate::geom::Vec3;
+use crate::geom::predicates::{Projection, Sign, orient2d, orient3d};
+
+/// Where a point lies on a triangle.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Spot {
+    /// At corner k.
+    Corner(u8),
+    /// Inside edge k, from corner k to corner k + 1.
+    Edge(u8),
+    /// Inside.
+    Face,
+}
+
+impl Spot {
+    /// Whether it lies on edge `k`, ends included.
+    pub fn is_on_edge(self, k: u8) -> bool {
+        match self {
+            Spot::Corner(c) => c == k || c == (k + 1) % 3,
+            Spot::Edge(e) => e == k,
+            Spot::Face => false,
+        }
+    }
+}
+
+/// Which point it is.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Meeting {
+    /// A corner of one triangle.
+    Vertex(u32),
+    /// Edge k of the first with the plane of the second.
+    EdgeOfFirst(u8),
+    /// Edge k of the second with the plane of the first.
+    EdgeOfSecond(u8),
+    /// Edge k of the first with edge l of the second, in a common plane.
+    EdgeEdge(u8, u8),
+}
+
+/// One common point.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Hit {
+    /// Which point.
+    pub meeting: Meeting,
+    /// Its places on the first and the second triangle.
+    pub spots: [Spot; 2],
+}
+
+/// A triangle with its corners' numbers and a projection in which it turns counter-clockwise.
+#[derive(Clone, Copy, Debug)]
+pub struct Corners<'a> {
+    /// Vertex numbers.
+    pub ids: [u32; 3],
+    /// Positions.
+    pub at: [&'a Vec3; 3],
+    /// Projection with positive orientation.
+    pub projection: Projection,
+}
+
+/// The projection in which a triangle turns counter-clockwise; `None` if it is degenerate. Prefers the dominant axis.
+pub fn projection_of(a: &Vec3, b: &Vec3, c: &Vec3) -> Option<Projection> {
+    let normal = (b - a).cross(&(c - a));
+    let mut axes = [0usize, 1, 2];
+    axes.sort_by(|i, j| normal[*j].abs().total_cmp(&normal[*i].abs()));
+    axes.into_iter().find_map(|axis| {
+        let (u, v) = (((axis + 1) % 3) as u8, ((axis + 2) % 3) as u8);
+        let q = Projection { u, v };
+        match orient2d(q.apply(a), q.apply(b), q.apply(c)) {
+            0 => None,
+            1 => Some(q),
+            _ => Some(Projection { u: v, v: u }),
+        }
+    })
+}
+
+impl Corners<'_> {
+    fn index_of(&self, id: u32) -> Option<u8> {
+        self.ids.iter().position(|&v| v == id).map(|k| k as u8)
+    }
+
+    /// Where a point of the triangle's plane lies; `None` outside.
+    fn locate(&self, p: &Vec3) -> Option<Spot> {
+        let q = self.projection.apply(p);
+        let corner = |k: usize| self.projection.apply(self.at[k]);
+        spot_from_signs([0, 1, 2].map(|k| orient2d(corner(k), corner((k + 1) % 3), q)))
+    }
+}
+
+/// The place that signs relative to the three edges (positive inside) tell.
+fn spot_from_signs(s: [Sign; 3]) -> Option<Spot> {
+    if s.contains(&-1) {
+        return None;
+    }
+    let zero = |k: usize| s[k] == 0;
+    match (zero(0), zero(1), zero(2)) {
+        (false, false, false) => Some(Spot::Face),
+        (true, false, false) => Some(Spot::Edge(0)),
+        (false, true, false) => Some(Spot::Edge(1)),
+        (false, false, true) => Some(Spot::Edge(2)),
+        (true, _, true) => Some(Spot::Corner(0)),
+        (true, true, false) => Some(Spot::Corner(1)),
+        (false, true, true) => Some(Spot::Corner(2)),
+    }
+}
+
+/// Sides of the corners of `of` about the plane of `plane`; common corners are 0 without computation. `None` if the plane
+/// separates: no common point but possibly common corners.
+fn sides(of: &Corners, plane: &Corners) -> Option<[Sign; 3]> {
+    let [a, b, c] = plane.at;
+    let mut s = [0; 3];
+    for k in 0..3 {
+        if plane.index_of(of.ids[k]).is_none() {
+            s[k] = orient3d(a, b, c, of.at[k]);
+        }
+    }
+    if s == [1; 3] || s == [-1; 3] { None } else { Some(s) }
+}
+
+/// Common points of two triangles that are not the same; corners shared by number are among them only where they matter (as
+/// ends of a common segment).
+#[derive(Clone, Debug, Default)]
+pub struct Contact {
+    /// The points.
+    pub hits: Vec<Hit>,
+    /// Whether the triangles lie in one plane.
+    pub is_coplanar: bool,
+}
+
+/// Intersects two triangles; `None` if they share nothing but, perhaps, one vertex or one edge by number.
+pub fn intersect(t: &Corners, u: &Corners) -> Option<Contact> {
+    let su = sides(u, t)?;
+    let st = sides(t, u)?;
+    let mut hits = Vec::new();
+    let is_coplanar = su == [0; 3] && st == [0; 3];
+    if is_coplanar {
+        coplanar_hits(t, u, &mut hits);
+    } else {
+        edge_hits(u, &su, t, false, &mut hits);
+        edge_hits(t, &st, u, true, &mut hits);
+    }
+    let shared = u.ids.iter().filter(|&&v| t.index_of(v).is_some()).count();
+    (hits.len() > shared || (is_coplanar && shared == 3)).then_some(Contact { hits, is_coplanar })
+}
+
+/// Adds where the corners and edges of `of` meet `face`; `of_is_first` tells which one is the first triangle of the pair.
+fn edge_hits(of: &Corners, s: &[Sign; 3], face: &Corners, of_is_first: bool, hits: &mut Vec<Hit>) {
+    let pair = |on_of: Spot, on_face: Spot| if of_is_first { [on_of, on_face] } else { [on_face, on_of] };
+    for k in 0..3u8 {
+        let (i, j) = (k as usize, (k as usize + 1) % 3);
+        if s[i] == 0 {
+            let id = of.ids[i];
+            let spot = match face.index_of(id) {
+                Some(c) => Some(Spot::Corner(c)),
+                None => face.locate(of.at[i]),
+            };
+            if let Some(spot) = spot {
+                add(hits, Hit { meeting: Meeting::Vertex(id), spots: pair(Spot::Corner(k), spot) });
+            }
+        }
+        if s[i] * s[j] >= 0 {
+            continue;
+        }
+        let (p, q) = (of.at[i], of.at[j]);
+        let turn = |a: usize, b: usize| {
+            if face.ids[a] == of.ids[i] || face.ids[a] == of.ids[j] || face.ids[b] == of.ids[i] || face.ids[b] == of.ids[j] {
+                0
+            } else {
+                // Positive inside when the edge runs along the face's normal, so turned by the direction in which it crosses.
+                orient3d(p, q, face.at[a], face.at[b]) * s[j]
+            }
+        };
+        let Some(spot) = spot_from_signs([turn(0, 1), turn(1, 2), turn(2, 0)]) else { continue };
+        let meeting = match spot {
+            Spot::Corner(c) => Meeting::Vertex(face.ids[c as usize]),
+            _ if of_is_first => Meeting::EdgeOfFirst(k),
+            _ => Meeting::EdgeOfSecond(k),
+        };
+        add(hits, Hit { meeting, spots: pair(Spot::Edge(k), spot) });
+    }
+}
+
+/// Adds a hit unless the same point is there already (a vertex is found from both triangles).
+fn add(hits: &mut Vec<Hit>, hit: Hit) {
+    let same = |h: &Hit| match (h.meeting, hit.meeting) {
+        (Meeting::Vertex(a), Meeting::Vertex(b)) => a == b,
+        _ => false,
+    };
+    if !hits.iter().any(same) {
+        hits.push(hit);
+    }
+}
+
+/// Corners of each in the other, and proper crossings of edges, in the common plane.
+fn coplanar_hits(t: &Corners, u: &Corners, hits: &mut Vec<Hit>) {
+    let flat = |p: &Vec3| t.projection.apply(p);
+    for (of, face, of_is_first) in [(u, t, false), (t, u, true)] {
+        for k in 0..3u8 {
+            let id = of.ids[k as usize];
+            let spot = match face.index_of(id) {
+                Some(c) => Some(Spot::Corner(c)),
+                None => face.locate(of.at[k as usize]),
+            };
+            if let Some(spot) = spot {
+                let own = Spot::Corner(k);
+                add(hits, Hit { meeting: Meeting::Vertex(id), spots: if of_is_first { [own, spot] } else { [spot, own] } });
+            }
+        }
+    }
+    for k in 0..3u8 {
+        for l in 0..3u8 {
+            let (k1, l1) = ((k as usize + 1) % 3, (l as usize + 1) % 3);
+            let (a, b) = (t.ids[k as usize], t.ids[k1]);
+            let (c, d) = (u.ids[l as usize], u.ids[l1]);
+            if a == c || a == d || b == c || b == d {
+                continue;
+            }
+            let [pa, pb, pc, pd] = [t.at[k as usize], t.at[k1], u.at[l as usize], u.at[l1]].map(flat);
+            let crosses = orient2d(pa, pb, pc) * orient2d(pa, pb, pd) < 0 && orient2d(pc, pd, pa) * orient2d(pc, pd, pb) < 0;
+            if crosses {
+                hits.push(Hit { meeting: Meeting::EdgeEdge(k, l), spots: [Spot::Edge(k), Spot::Edge(l)] });
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn hits(t: [[f64; 3]; 3], u: [[f64; 3]; 3], ids: [u32; 3]) -> Option<Contact> {
+        let (t, u) = (t.map(Vec3::from), u.map(Vec3::from));
+        let corners = |p: &'static [Vec3; 3], ids| {
+            let projection = projection_of(&p[0], &p[1], &p[2]).unwrap();
+            Corners { ids, at: [&p[0], &p[1], &p[2]], projection }
+        };
+        let (t, u) = (Box::leak(Box::new(t)), Box::leak(Box::new(u)));
+        intersect(&corners(t, [0, 1, 2]), &corners(u, ids))
+    }
+
+    #[test]
+    fn crossing_triangles_meet_in_two_points() {
+        let c = hits([[0., 0., 0.], [4., 0., 0.], [0., 4., 0.]], [[1., 1., -1.], [1., 1., 1.], [9., 9., 0.]], [3, 4, 5]).unwrap();
+        assert_eq!(c.hits.len(), 2);
+        assert!(c.hits.iter().any(|h| h.meeting == Meeting::EdgeOfSecond(0) && h.spots == [Spot::Face, Spot::Edge(0)]));
+        // The other end is where the hypotenuse meets the second triangle's plane.
+        assert!(c.hits.iter().any(|h| h.meeting == Meeting::EdgeOfFirst(1)));
+    }
+
+    #[test]
+    fn a_corner_on_a_face_is_one_hit() {
+        let c = hits([[0., 0., 0.], [4., 0., 0.], [0., 4., 0.]], [[1., 1., 0.], [1., 2., 3.], [2., 1., 3.]], [3, 4, 5]).unwrap();
+        assert_eq!(c.hits, vec![Hit { meeting: Meeting::Vertex(3), spots: [Spot::Face, Spot::Corner(0)] }]);
+    }
+
+    #[test]
+    fn neighbours_that_share_an_edge_do_not_count() {
+        assert!(hits([[0., 0., 0.], [4., 0., 0.], [0., 4., 0.]], [[4., 0., 0.], [0., 0., 0.], [0., 0., 4.]], [1, 0, 3]).is_none());
+        assert!(hits([[0., 0., 0.], [4., 0., 0.], [0., 4., 0.]], [[4., 0., 0.], [0., 0., 0.], [0., -4., 0.]], [1, 0, 3]).is_none());
+    }
+
+    #[test]
+    fn coplanar_star_has_six_crossings() {
+        let c = hits([[0., 0., 0.], [6., 0., 0.], [3., 5., 0.]], [[0., 3., 0.], [3., -2., 0.], [6., 3., 0.]], [3, 4, 5]).unwrap();
+        assert!(c.is_coplanar);
+        assert_eq!(c.hits.len(), 6);
+    }
+}

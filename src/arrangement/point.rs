@@ -1,0 +1,413 @@
+//! Points of the arrangement: explicit vertices and what lines and planes through them meet in.
+//!
+//! An implicit point keeps how it was made ([`Source`]), its rounded place and a bound of that rounding. Signs are decided by a
+//! filter on the rounded places, then by big integers ([`super::exact`]). Points are interned by exact equality: equal points
+//! have equal numbers, however they were made, so that identity can be looked up instead of computed.
+
+use super::exact::{self, ExactPoint, Integers};
+use crate::geom::Vec3;
+use crate::geom::dd::{self, Dd};
+use crate::geom::hash::IndexMap;
+use crate::geom::predicates::{self, Projection, Sign};
+use std::cmp::Ordering;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU64, Ordering as Memory};
+
+/// How a point is made, from explicit vertices.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Source {
+    /// A vertex with given coordinates.
+    Explicit(u32),
+    /// Where the line through two vertices meets the plane through three.
+    LinePlane {
+        /// Two vertices.
+        line: [u32; 2],
+        /// Three vertices.
+        plane: [u32; 3],
+    },
+    /// Where two coplanar lines meet, seen in a projection in which they are not parallel.
+    LineLine {
+        /// The line that carries the point.
+        line: [u32; 2],
+        /// The other line.
+        other: [u32; 2],
+        /// The projection.
+        projection: Projection,
+    },
+    /// Where three planes, each through three vertices, meet.
+    ThreePlanes([[u32; 3]; 3]),
+    /// The barycentre of three points.
+    Middle(Box<[Source; 3]>),
+}
+
+/// Rounded place of a point.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Place {
+    /// Rounded coordinates.
+    pub at: Vec3,
+    /// Bound of the error of each coordinate; 0 if exact.
+    pub error: f64,
+}
+
+/// How often signs needed which stage.
+#[derive(Debug, Default)]
+pub struct SignCounts {
+    /// All signs of implicit points.
+    pub all: AtomicU64,
+    /// Those decided by big integers.
+    pub exact: AtomicU64,
+}
+
+/// All points: the explicit ones first, with their own numbers.
+pub struct Points<'a> {
+    explicit: &'a [Vec3],
+    exponent: i32,
+    implicit: Vec<Implicit>,
+    /// Interning table: grid cell to the points rounded into it.
+    grid: IndexMap<[i64; 3], Vec<u32>>,
+    cell: f64,
+    /// Rounded places worse than this are computed exactly instead.
+    worst: f64,
+    /// Statistics.
+    pub counts: SignCounts,
+}
+
+struct Implicit {
+    source: Source,
+    place: Place,
+    exact: OnceLock<Box<ExactPoint>>,
+}
+
+/// Grid cells of the interning table as a fraction of the model's size: far above rounding errors (so that a point falls into
+/// one cell almost always), far below the distance of points that differ.
+const GRID_FRACTION: f64 = 1.0 / (1u64 << 34) as f64;
+/// A rounded place worse than this fraction of the model's size is computed exactly instead.
+const WORST_ERROR: f64 = 1e-14;
+/// ... or, far from the origin, than this many units in the last place.
+const WORST_ULPS: f64 = 8.0;
+/// Half a unit in the last place, relative.
+const ROUND: f64 = f64::EPSILON / 2.0;
+
+impl<'a> Points<'a> {
+    /// The store over explicit vertices.
+    pub fn new(explicit: &'a [Vec3]) -> Self {
+        let bounds = crate::geom::aabb::Aabb::around(explicit);
+        let size = bounds.diagonal().max(f64::MIN_POSITIVE);
+        let far = if bounds.is_empty() { 0.0 } else { bounds.lo.amax().max(bounds.hi.amax()) };
+        Self {
+            explicit,
+            exponent: exact::common_exponent(explicit),
+            implicit: Vec::new(),
+            grid: IndexMap::default(),
+            cell: size.max(far * 1e-3) * GRID_FRACTION,
+            worst: size * WORST_ERROR + far * WORST_ULPS * f64::EPSILON,
+            counts: SignCounts::default(),
+        }
+    }
+
+    /// Number of points.
+    pub fn len(&self) -> usize {
+        self.explicit.len() + self.implicit.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Number of explicit points.
+    pub fn explicit_len(&self) -> usize {
+        self.explicit.len()
+    }
+
+    /// Whether the point is an explicit vertex.
+    pub fn is_explicit(&self, p: u32) -> bool {
+        (p as usize) < self.explicit.len()
+    }
+
+    /// Rounded place.
+    pub fn place(&self, p: u32) -> Place {
+        match self.explicit.get(p as usize) {
+            Some(&at) => Place { at, error: 0.0 },
+            None => self.implicit[p as usize - self.explicit.len()].place,
+        }
+    }
+
+    /// Rounded coordinates.
+    pub fn at(&self, p: u32) -> Vec3 {
+        self.place(p).at
+    }
+
+    fn integers(&self) -> Integers<'_> {
+        Integers { points: self.explicit, exponent: self.exponent }
+    }
+
+    /// Exact place; cached for implicit points.
+    pub fn exact(&self, p: u32) -> std::borrow::Cow<'_, ExactPoint> {
+        use std::borrow::Cow;
+        if self.is_explicit(p) {
+            return Cow::Owned(self.integers().place(&Source::Explicit(p)));
+        }
+        let point = &self.implicit[p as usize - self.explicit.len()];
+        Cow::Borrowed(point.exact.get_or_init(|| Box::new(self.integers().place(&point.source))))
+    }
+
+    /// Exact place of a source that is not interned.
+    pub fn exact_of(&self, source: &Source) -> ExactPoint {
+        self.integers().place(source)
+    }
+
+    /// Exact place of coordinates from [`Points::coarse`].
+    pub fn exact_at(&self, at: &Vec3) -> ExactPoint {
+        Integers { points: std::slice::from_ref(at), exponent: self.exponent }.place(&Source::Explicit(0))
+    }
+
+    /// The nearest place with few enough bits for [`Points::exact_at`].
+    pub fn coarse(&self, at: &Vec3) -> Vec3 {
+        let step = 2f64.powi(self.exponent.max((self.cell / GRID_FRACTION).log2().floor() as i32 - 20));
+        at.map(|x| (x / step).round() * step)
+    }
+
+    /// How a point was made.
+    pub fn source(&self, p: u32) -> Source {
+        if self.is_explicit(p) { Source::Explicit(p) } else { self.implicit[p as usize - self.explicit.len()].source.clone() }
+    }
+
+    /// Makes explicit vertices known to the interning table, so that an implicit point that falls on one gets its number.
+    pub fn register(&mut self, vertex: u32) {
+        let key = self.key(&self.explicit[vertex as usize]);
+        self.grid.entry(key).or_default().push(vertex);
+    }
+
+    /// The number of the point made by `source`: that of an equal point if there is one.
+    pub fn intern(&mut self, source: Source) -> u32 {
+        let place = self.round(&source);
+        self.intern_placed(source, place)
+    }
+
+    /// As [`Points::intern`], with the place from [`Points::round`].
+    pub fn intern_placed(&mut self, source: Source, place: Place) -> u32 {
+        let reach = Vec3::repeat(2.0 * (place.error + self.worst));
+        let (lo, hi) = (self.key(&(place.at - reach)), self.key(&(place.at + reach)));
+        let mut exact = None;
+        for x in lo[0]..=hi[0] {
+            for y in lo[1]..=hi[1] {
+                for z in lo[2]..=hi[2] {
+                    let Some(found) = self.grid.get(&[x, y, z]) else { continue };
+                    for &p in found {
+                        let other = self.place(p);
+                        let apart = place.error + other.error;
+                        if (0..3).any(|k| (other.at[k] - place.at[k]).abs() > apart) {
+                            continue;
+                        }
+                        let mine = exact.get_or_insert_with(|| self.integers().place(&source));
+                        if is_same(mine, &self.exact(p)) {
+                            return p;
+                        }
+                    }
+                }
+            }
+        }
+        let id = self.len() as u32;
+        let cache = OnceLock::new();
+        if let Some(exact) = exact {
+            let _ = cache.set(Box::new(exact));
+        }
+        self.implicit.push(Implicit { source, place, exact: cache });
+        let key = self.key(&place.at);
+        self.grid.entry(key).or_default().push(id);
+        id
+    }
+
+    fn key(&self, p: &Vec3) -> [i64; 3] {
+        [0, 1, 2].map(|k| (p[k] / self.cell).floor() as i64)
+    }
+
+    /// Rounded place of a source, with a bound of its error.
+    pub fn round(&self, source: &Source) -> Place {
+        let place = match source {
+            Source::Explicit(v) => return Place { at: self.explicit[*v as usize], error: 0.0 },
+            Source::LinePlane { line, plane } => {
+                let [p, q] = line.map(|v| &self.explicit[v as usize]);
+                let [r, s, t] = plane.map(|v| &self.explicit[v as usize]);
+                line_plane(p, q, r, s, t)
+            }
+            Source::LineLine { line, other, projection } => {
+                let [p, q] = line.map(|v| &self.explicit[v as usize]);
+                let [r, s] = other.map(|v| &self.explicit[v as usize]);
+                line_line(p, q, r, s, *projection)
+            }
+            Source::ThreePlanes(planes) => three_planes(&planes.map(|t| t.map(|v| self.explicit[v as usize]))),
+            Source::Middle(_) => None,
+        };
+        place.filter(|p| p.error <= self.worst).unwrap_or_else(|| {
+            let exact = self.integers().place(source);
+            let at = Vec3::from_fn(|k, _| exact::to_f64(&exact, k, self.exponent));
+            Place { at, error: at.amax() * 2.0 * f64::EPSILON + f64::MIN_POSITIVE }
+        })
+    }
+
+    /// Sign of the turn a, b, c in a projection. Exact.
+    pub fn orient2d(&self, a: u32, b: u32, c: u32, projection: Projection) -> Sign {
+        if a == b || b == c || c == a {
+            return 0;
+        }
+        let (pa, pb, pc) = (self.place(a), self.place(b), self.place(c));
+        let (fa, fb, fc) = (projection.apply(&pa.at), projection.apply(&pb.at), projection.apply(&pc.at));
+        let error = pa.error + pb.error + pc.error;
+        if error == 0.0 {
+            return predicates::orient2d(fa, fb, fc);
+        }
+        self.counts.all.fetch_add(1, Memory::Relaxed);
+        let (x1, y1) = (fb[0] - fa[0], fb[1] - fa[1]);
+        let (x2, y2) = (fc[0] - fa[0], fc[1] - fa[1]);
+        let (m1, m2) = (x1 * y2, y1 * x2);
+        let span = x1.abs() + y1.abs() + x2.abs() + y2.abs();
+        // Each difference is off by at most `error` and its own rounding; the products and their difference round once more.
+        let slack = error + 2.0 * ROUND * span;
+        let bound = slack * (span + 2.0 * slack) + 8.0 * ROUND * (m1.abs() + m2.abs());
+        let det = m1 - m2;
+        if det.abs() > bound {
+            return predicates::sign(det);
+        }
+        self.counts.exact.fetch_add(1, Memory::Relaxed);
+        exact::orient2d(&self.exact(a), &self.exact(b), &self.exact(c), projection.u as usize, projection.v as usize)
+    }
+
+    /// Order of one coordinate of two points. Exact.
+    pub fn compare(&self, a: u32, b: u32, axis: usize) -> Ordering {
+        if a == b {
+            return Ordering::Equal;
+        }
+        let (pa, pb) = (self.place(a), self.place(b));
+        let difference = pa.at[axis] - pb.at[axis];
+        let error = pa.error + pb.error;
+        if error == 0.0 || difference.abs() > error * (1.0 + 4.0 * f64::EPSILON) {
+            return difference.partial_cmp(&0.0).unwrap_or(Ordering::Equal);
+        }
+        self.counts.exact.fetch_add(1, Memory::Relaxed);
+        exact::compare(&self.exact(a), &self.exact(b), axis)
+    }
+}
+
+fn is_same(a: &ExactPoint, b: &ExactPoint) -> bool {
+    (0..3).all(|k| exact::compare(a, b, k) == Ordering::Equal)
+}
+
+type D3 = [Dd; 3];
+
+fn minus(a: &Vec3, b: &Vec3) -> D3 {
+    [0, 1, 2].map(|k| Dd::difference(a[k], b[k]))
+}
+
+fn cross(a: &D3, b: &D3) -> D3 {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn dot(a: &D3, b: &D3) -> Dd {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Largest leading part.
+fn size(a: &D3) -> f64 {
+    a.iter().fold(0.0, |m, x| m.max(x.magnitude()))
+}
+
+/// Room for the few dozen double-double operations that make one coordinate.
+const OPERATIONS: f64 = 64.0;
+
+/// `p + (q - p) num / den` with the errors of `num` and `den` given.
+fn along(p: &Vec3, step: &D3, num: Dd, num_error: f64, den: Dd, den_error: f64) -> Option<Place> {
+    if den.magnitude() <= 2.0 * den_error {
+        return None;
+    }
+    let t = num / den;
+    let t_error = (num_error + t.magnitude() * den_error) / (den.magnitude() - den_error) + OPERATIONS * dd::UNIT * t.magnitude();
+    let at = Vec3::from_fn(|k, _| (Dd::from(p[k]) + step[k] * t).hi);
+    let error = size(step) * (t_error + OPERATIONS * dd::UNIT * t.magnitude()) + at.amax() * f64::EPSILON;
+    Some(Place { at, error })
+}
+
+fn line_plane(p: &Vec3, q: &Vec3, r: &Vec3, s: &Vec3, t: &Vec3) -> Option<Place> {
+    let (rs, rt, step, pr) = (minus(s, r), minus(t, r), minus(q, p), minus(r, p));
+    let n = cross(&rs, &rt);
+    let n_scale = size(&rs) * size(&rt);
+    let unit = OPERATIONS * dd::UNIT * n_scale;
+    along(p, &step, dot(&n, &pr), unit * size(&pr), dot(&n, &step), unit * size(&step))
+}
+
+fn line_line(p: &Vec3, q: &Vec3, r: &Vec3, s: &Vec3, projection: Projection) -> Option<Place> {
+    let (u, v) = (projection.u as usize, projection.v as usize);
+    let (rs, step, pr) = (minus(s, r), minus(q, p), minus(r, p));
+    let flat = |a: &D3, b: &D3| a[u] * b[v] - a[v] * b[u];
+    let unit = OPERATIONS * dd::UNIT * size(&rs);
+    along(p, &step, flat(&pr, &rs), unit * size(&pr), flat(&step, &rs), unit * size(&step))
+}
+
+fn three_planes(planes: &[[Vec3; 3]; 3]) -> Option<Place> {
+    let origin = planes[0][0];
+    let normals = planes.map(|[a, b, c]| cross(&minus(&b, &a), &minus(&c, &a)));
+    let scales = planes.map(|[a, b, c]| size(&minus(&b, &a)) * size(&minus(&c, &a)));
+    let offsets: Vec<D3> = planes.iter().map(|t| minus(&t[0], &origin)).collect();
+    let d = [0, 1, 2].map(|k| dot(&normals[k], &offsets[k]));
+    let (c23, c31, c12) =
+        (cross(&normals[1], &normals[2]), cross(&normals[2], &normals[0]), cross(&normals[0], &normals[1]));
+    let w = dot(&normals[0], &c23);
+    let scale = scales[0] * scales[1] * scales[2] * OPERATIONS * dd::UNIT;
+    if w.magnitude() <= 2.0 * scale {
+        return None;
+    }
+    let reach = offsets.iter().map(size).fold(0.0, f64::max);
+    let moved: D3 = [0, 1, 2].map(|k| (d[0] * c23[k] + d[1] * c31[k] + d[2] * c12[k]) / w);
+    let at = Vec3::from_fn(|k, _| (Dd::from(origin[k]) + moved[k]).hi);
+    let error = 4.0 * scale * (reach + size(&moved)) / (w.magnitude() - scale) + at.amax() * f64::EPSILON;
+    Some(Place { at, error })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_point_made_in_three_ways_has_one_number() {
+        let v = |x: f64, y: f64, z: f64| Vec3::new(x, y, z);
+        // The planes x = 0.3 y..., tilted so that nothing is representable.
+        let p = v(0.1, 0.2, 0.3);
+        let (a, b, c) = (v(1.0, 0.3, 0.1), v(0.2, 1.1, -0.3), v(-0.1, 0.2, 1.3));
+        let explicit = [p - a, p + a, p - b, p + b, p - c, p + c, v(0., 0., 0.), v(3., 0., 0.), v(0., 3., 0.), v(0.5, 0.5, 7.0)];
+        let mut points = Points::new(&explicit);
+        let x = points.intern(Source::LinePlane { line: [6, 9], plane: [0, 3, 5] });
+        let y = points.intern(Source::ThreePlanes([[6, 9, 0], [6, 9, 3], [0, 3, 5]]));
+        assert_eq!(x, y);
+        let z = points.intern(Source::LinePlane { line: [6, 9], plane: [1, 3, 5] });
+        assert_ne!(x, z);
+        let exact = points.exact(x).into_owned();
+        for k in 0..3 {
+            let rounded = exact::to_f64(&exact, k, points.exponent);
+            assert!((rounded - points.at(x)[k]).abs() <= points.place(x).error);
+        }
+    }
+
+    #[test]
+    fn a_point_on_a_vertex_is_the_vertex() {
+        let explicit = [
+            Vec3::new(0., 0., -1.), Vec3::new(0., 0., 1.), Vec3::new(-1., -1., 0.), Vec3::new(1., -1., 0.), Vec3::new(0., 1., 0.),
+            Vec3::zeros(),
+        ];
+        let mut points = Points::new(&explicit);
+        points.register(5);
+        assert_eq!(points.intern(Source::LinePlane { line: [0, 1], plane: [2, 3, 4] }), 5);
+    }
+
+    #[test]
+    fn turns_of_implicit_points_are_exact() {
+        let explicit = [
+            Vec3::new(0., 0., -1.), Vec3::new(0.3, 0.1, 1.), Vec3::new(-1., -1., 0.1), Vec3::new(1., -1., 0.2), Vec3::new(0., 1., 0.3),
+        ];
+        let mut points = Points::new(&explicit);
+        let m = points.intern(Source::LinePlane { line: [0, 1], plane: [2, 3, 4] });
+        let q = Projection { u: 0, v: 2 };
+        assert_eq!(points.orient2d(0, 1, m, q), 0, "on its own line");
+        assert_eq!(points.compare(0, m, 2), Ordering::Less);
+    }
+}

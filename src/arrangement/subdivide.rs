@@ -1,0 +1,284 @@
+//! The faces of the planar graph that is drawn on each triangle.
+
+use super::SubCells;
+use super::graph::{Along, Curve, Graph, Mesh, StringPiece};
+use super::point::Points;
+use crate::geom::predicates::{Projection, Sign};
+use rayon::prelude::*;
+use std::cmp::Ordering;
+
+/// Loops of one piece, outer one first.
+type Piece = Vec<Vec<u32>>;
+
+/// Cuts every triangle into its pieces, in triangle order.
+pub fn subdivide(mesh: &Mesh, graph: &Graph, points: &Points) -> SubCells {
+    let count = mesh.triangles.len();
+    let is_touched = |t: u32| {
+        graph.drawing(t).is_some() || mesh.edges_of[t as usize].iter().any(|&e| !graph.edge_points[e as usize].is_empty())
+    };
+    let touched: Vec<u32> = (0..count as u32).filter(|&t| is_touched(t)).collect();
+    let cut = |&t: &u32| Drawn::new(mesh, graph, points, t).pieces();
+    let pieces: Vec<Vec<Piece>> =
+        if touched.len() < 256 { touched.iter().map(cut).collect() } else { touched.par_iter().with_min_len(32).map(cut).collect() };
+    let mut cells = SubCells { owner_lists: mesh.input.cells.iter().map(|c| c.owners.clone()).collect(), ..Default::default() };
+    let mut cut = touched.iter().copied().zip(pieces).peekable();
+    for t in 0..count as u32 {
+        let owners = mesh.input.cell_of_triangle[t as usize];
+        match cut.next_if(|c| c.0 == t) {
+            Some((_, pieces)) => {
+                for piece in &pieces {
+                    cells.push(t, owners, piece.iter().map(|l| &l[..]));
+                }
+            }
+            None => cells.push(t, owners, [&mesh.triangles[t as usize][..]]),
+        }
+    }
+    cells
+}
+
+/// The planar graph on one triangle.
+struct Drawn<'a> {
+    points: &'a Points<'a>,
+    projection: Projection,
+    /// The triangle's boundary, counter-clockwise.
+    boundary: Vec<u32>,
+    /// Points, sorted; local numbers index this list.
+    nodes: Vec<u32>,
+    /// Neighbours of each node in counter-clockwise order.
+    around: Vec<Vec<u32>>,
+    /// Whether there is anything but the boundary.
+    is_plain: bool,
+}
+
+impl<'a> Drawn<'a> {
+    fn new(mesh: &Mesh, graph: &Graph, points: &'a Points<'a>, t: u32) -> Self {
+        let mut boundary = Vec::new();
+        for k in 0..3 {
+            let start = mesh.triangles[t as usize][k];
+            let edge = mesh.edges_of[t as usize][k];
+            boundary.push(start);
+            let on = graph.edge_points[edge as usize].iter().copied();
+            if mesh.edges[edge as usize][0] == start { boundary.extend(on) } else { boundary.extend(on.rev()) }
+        }
+        let empty = super::graph::Drawing::default();
+        let drawing = graph.drawing(t).unwrap_or(&empty);
+        let is_plain = drawing.points.is_empty() && drawing.strings.is_empty();
+        let mut drawn =
+            Self { points, projection: mesh.projection[t as usize], boundary, nodes: Vec::new(), around: Vec::new(), is_plain };
+        if !is_plain {
+            let mut links: Vec<[u32; 2]> = Vec::new();
+            let n = drawn.boundary.len();
+            links.extend((0..n).map(|k| [drawn.boundary[k], drawn.boundary[(k + 1) % n]]));
+            for &string in &drawing.strings {
+                let chain = chain_of(graph, mesh, points, string);
+                links.extend(chain.windows(2).map(|w| [w[0], w[1]]));
+            }
+            drawn.link(links, &drawing.points);
+        }
+        drawn
+    }
+
+    fn link(&mut self, mut links: Vec<[u32; 2]>, lone: &[u32]) {
+        for l in &mut links {
+            l.sort_unstable();
+        }
+        links.sort_unstable();
+        links.dedup();
+        let mut nodes: Vec<u32> = links.iter().flatten().copied().chain(lone.iter().copied()).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let mut around = vec![Vec::new(); nodes.len()];
+        for [a, b] in links {
+            let (i, j) = (nodes.binary_search(&a).unwrap_or(0), nodes.binary_search(&b).unwrap_or(0));
+            around[i].push(j as u32);
+            around[j].push(i as u32);
+        }
+        self.nodes = nodes;
+        for (node, list) in around.iter_mut().enumerate() {
+            self.sort_around(node as u32, list);
+        }
+        self.around = around;
+    }
+
+    fn turn(&self, a: u32, b: u32, c: u32) -> Sign {
+        let id = |n: u32| self.nodes[n as usize];
+        self.points.orient2d(id(a), id(b), id(c), self.projection)
+    }
+
+    /// Order by the projected coordinates, first axis first.
+    fn compare(&self, a: u32, b: u32) -> Ordering {
+        let (a, b) = (self.nodes[a as usize], self.nodes[b as usize]);
+        let by = |axis: u8| self.points.compare(a, b, axis as usize);
+        by(self.projection.u).then_with(|| by(self.projection.v))
+    }
+
+    /// Sorts neighbours counter-clockwise about `node`, beginning with the first in the list.
+    fn sort_around(&self, node: u32, list: &mut [u32]) {
+        if list.len() < 3 {
+            return;
+        }
+        let reference = list[0];
+        // Half turn in which a neighbour lies, seen from the reference: 0 itself, 1 left, 2 opposite, 3 right.
+        let half = |x: u32| match self.turn(node, reference, x) {
+            1 => 1,
+            -1 => 3,
+            _ if x == reference => 0,
+            _ => 2,
+        };
+        let mut keyed: Vec<(u8, u32)> = list.iter().map(|&x| (half(x), x)).collect();
+        keyed.sort_by(|a, b| {
+            a.0.cmp(&b.0).then_with(|| match self.turn(node, a.1, b.1) {
+                1 => Ordering::Less,
+                -1 => Ordering::Greater,
+                _ => Ordering::Equal,
+            })
+        });
+        for (slot, (_, x)) in list.iter_mut().zip(keyed) {
+            *slot = x;
+        }
+    }
+
+    /// The pieces, outer loops first.
+    fn pieces(&self) -> Vec<Piece> {
+        if self.is_plain {
+            return vec![vec![self.boundary.clone()]];
+        }
+        let loops = self.trace();
+        let component = self.components();
+        let outer_edges = self.outer_half_edges(&component);
+        let (mut faces, mut rims): (Vec<Vec<u32>>, Vec<Vec<u32>>) = (Vec::new(), Vec::new());
+        let home = component[self.nodes.binary_search(&self.boundary[0]).unwrap_or(0)];
+        for walk in loops {
+            let n = walk.len();
+            let is_rim = (0..n).any(|k| outer_edges[component[walk[0] as usize] as usize] == Some([walk[k], walk[(k + 1) % n]]));
+            match (is_rim, component[walk[0] as usize] == home) {
+                (false, _) => faces.push(walk),
+                (true, false) => rims.push(walk),
+                (true, true) => {} // outside of the triangle
+            }
+        }
+        rims.extend((0..self.nodes.len() as u32).filter(|&n| self.around[n as usize].is_empty()).map(|n| vec![n]));
+        let mut holes: Vec<Vec<usize>> = vec![Vec::new(); faces.len()];
+        for (r, rim) in rims.iter().enumerate() {
+            let face = self.face_around(rim[0], component[rim[0] as usize], &faces, &component);
+            holes[face].push(r);
+        }
+        let name = |walk: &Vec<u32>| walk.iter().map(|&n| self.nodes[n as usize]).collect::<Vec<u32>>();
+        let piece = |(f, face): (usize, &Vec<u32>)| {
+            std::iter::once(name(face)).chain(holes[f].iter().map(|&r| name(&rims[r]))).collect::<Piece>()
+        };
+        faces.iter().enumerate().map(piece).collect()
+    }
+
+    /// All loops of the graph, each with its face to the left.
+    fn trace(&self) -> Vec<Vec<u32>> {
+        let mut is_used: Vec<Vec<bool>> = self.around.iter().map(|l| vec![false; l.len()]).collect();
+        let mut loops = Vec::new();
+        for start in 0..self.nodes.len() {
+            for slot in 0..self.around[start].len() {
+                if is_used[start][slot] {
+                    continue;
+                }
+                let (mut node, mut slot, mut walk) = (start, slot, Vec::new());
+                while !std::mem::replace(&mut is_used[node][slot], true) {
+                    walk.push(node as u32);
+                    let next = self.around[node][slot] as usize;
+                    let ring = &self.around[next];
+                    let back = ring.iter().position(|&x| x == node as u32).unwrap_or(0);
+                    // The first edge clockwise from where we came keeps the face to the left.
+                    slot = (back + ring.len() - 1) % ring.len();
+                    node = next;
+                }
+                loops.push(walk);
+            }
+        }
+        loops
+    }
+
+    /// Connected component of each node.
+    fn components(&self) -> Vec<u32> {
+        let mut component = vec![u32::MAX; self.nodes.len()];
+        let mut count = 0;
+        for start in 0..self.nodes.len() {
+            if component[start] != u32::MAX {
+                continue;
+            }
+            let mut stack = vec![start as u32];
+            while let Some(n) = stack.pop() {
+                if std::mem::replace(&mut component[n as usize], count) == u32::MAX {
+                    stack.extend(self.around[n as usize].iter().filter(|&&m| component[m as usize] == u32::MAX));
+                }
+            }
+            count += 1;
+        }
+        component
+    }
+
+    /// For each component with edges, a directed edge with the component's outside to its left: at the leftmost node all
+    /// neighbours lie to the right, and the outside begins behind the last one counter-clockwise.
+    fn outer_half_edges(&self, component: &[u32]) -> Vec<Option<[u32; 2]>> {
+        let count = component.iter().max().map_or(0, |m| *m as usize + 1);
+        let mut leftmost: Vec<Option<u32>> = vec![None; count];
+        for n in 0..self.nodes.len() as u32 {
+            let best = &mut leftmost[component[n as usize] as usize];
+            if best.is_none_or(|m| self.compare(n, m) == Ordering::Less) {
+                *best = Some(n);
+            }
+        }
+        leftmost
+            .into_iter()
+            .map(|m| {
+                let m = m?;
+                let last = self.around[m as usize].iter().copied().reduce(|best, x| if self.turn(m, best, x) > 0 { x } else { best });
+                Some([m, last?])
+            })
+            .collect()
+    }
+
+    /// The innermost face of another component around a node.
+    fn face_around(&self, node: u32, own: u32, faces: &[Vec<u32>], component: &[u32]) -> usize {
+        let around: Vec<usize> = (0..faces.len())
+            .filter(|&f| component[faces[f][0] as usize] != own && (faces.len() == 1 || self.is_inside(node, &faces[f])))
+            .collect();
+        let is_innermost = |f: &usize| {
+            around.iter().all(|g| {
+                component[faces[*g][0] as usize] == component[faces[*f][0] as usize] || !self.is_inside(faces[*g][0], &faces[*f])
+            })
+        };
+        around.iter().copied().find(is_innermost).or(around.first().copied()).unwrap_or(0)
+    }
+
+    /// Whether a node that is not on the loop lies inside it: parity of the edges that a ray along the first axis crosses.
+    fn is_inside(&self, node: u32, walk: &[u32]) -> bool {
+        let axis = self.projection.v as usize;
+        let is_above = |n: u32| self.points.compare(self.nodes[n as usize], self.nodes[node as usize], axis) == Ordering::Greater;
+        let mut inside = false;
+        for (k, &a) in walk.iter().enumerate() {
+            let b = walk[(k + 1) % walk.len()];
+            let (ua, ub) = (is_above(a), is_above(b));
+            if ua != ub {
+                let turn = self.turn(a, b, node);
+                inside ^= if ub { turn > 0 } else { turn < 0 };
+            }
+        }
+        inside
+    }
+}
+
+/// The points of a string, from end to end.
+fn chain_of(graph: &Graph, mesh: &Mesh, points: &Points, string: StringPiece) -> Vec<u32> {
+    let all = graph.points_on(string.curve);
+    let [first, last] = graph.ends_of(mesh, string.curve);
+    if let Curve::Segment(_) = string.curve {
+        return std::iter::once(first).chain(all.iter().copied()).chain([last]).collect();
+    }
+    let order = Along::new([first, last], points);
+    let [a, b] = string.ends;
+    let [a, b] = if order.compare(a, b, points) == Ordering::Less { [a, b] } else { [b, a] };
+    let whole: Vec<u32> = std::iter::once(first).chain(all.iter().copied()).chain([last]).collect();
+    let position = |p: u32| whole.iter().position(|&q| q == p);
+    match (position(a), position(b)) {
+        (Some(i), Some(j)) if i < j => whole[i..=j].to_vec(),
+        _ => vec![a, b],
+    }
+}

@@ -1,0 +1,199 @@
+//! The sub-cells around every edge, sorted by angle.
+
+use crate::arrangement::Arrangement;
+use crate::diag::Diagnostic;
+use crate::geom::Vec3;
+use crate::geom::predicates::{Projection, Sign, orient3d};
+use crate::geom::union_find::UnionFind;
+use crate::arrangement::projection_of_triangle;
+use std::cmp::Ordering;
+
+/// Directed edges (corners of the sub-cells' loops) grouped by undirected edge; within a group counter-clockwise about the
+/// direction from the smaller to the larger point number.
+pub struct EdgeUses {
+    /// Corner numbers.
+    pub uses: Vec<u32>,
+    /// End of each group in `uses`.
+    pub ends: Vec<u32>,
+    /// Sub-cell of each corner.
+    pub cell_of: Vec<u32>,
+    /// Next corner in the same loop.
+    pub next: Vec<u32>,
+    /// Whether a corner's edge runs from the smaller to the larger point number.
+    pub is_forward: Vec<bool>,
+}
+
+impl EdgeUses {
+    /// Groups and sorts.
+    pub fn new(arrangement: &Arrangement) -> Result<Self, Diagnostic> {
+        let cells = &arrangement.cells;
+        let corners = cells.corners();
+        let (mut cell_of, mut next) = (vec![0u32; corners.len()], vec![0u32; corners.len()]);
+        let mut is_forward = vec![false; corners.len()];
+        let mut keyed: Vec<(u64, u32)> = Vec::with_capacity(corners.len());
+        for (range, cell) in cells.loop_ranges() {
+            let (start, end) = (range.start, range.end);
+            for k in range {
+                cell_of[k] = cell as u32;
+                next[k] = if k + 1 == end { start } else { k + 1 } as u32;
+                let (a, b) = (corners[k], corners[next[k] as usize]);
+                is_forward[k] = a < b;
+                if a != b {
+                    keyed.push((u64::from(a.min(b)) << 32 | u64::from(a.max(b)), k as u32));
+                }
+            }
+        }
+        keyed.sort_unstable();
+        let (mut uses, mut ends) = (Vec::with_capacity(keyed.len()), Vec::with_capacity(keyed.len() / 2));
+        for (k, (key, corner)) in keyed.iter().enumerate() {
+            uses.push(*corner);
+            if keyed.get(k + 1).is_none_or(|n| n.0 != *key) {
+                ends.push(uses.len() as u32);
+            }
+        }
+        let mut out = Self { uses, ends, cell_of, next, is_forward };
+        out.sort_by_angle(arrangement)?;
+        Ok(out)
+    }
+
+    /// The groups: corners of one undirected edge, by angle.
+    pub fn groups(&self) -> impl Iterator<Item = &[u32]> {
+        let starts = std::iter::once(0).chain(self.ends.iter().copied());
+        starts.zip(&self.ends).map(|(a, &b)| &self.uses[a as usize..b as usize])
+    }
+
+    fn sort_by_angle(&mut self, arrangement: &Arrangement) -> Result<(), Diagnostic> {
+        let mut start = 0;
+        for g in 0..self.ends.len() {
+            let end = self.ends[g] as usize;
+            let group = start..end;
+            start = end;
+            match group.len() {
+                0 | 2 => {}
+                1 => return Err(self.open_edge(arrangement, self.uses[group.start])),
+                _ => {
+                    let mut fans: Vec<Fan> = self.uses[group.clone()].iter().map(|&c| self.fan(arrangement, c)).collect();
+                    sort_fans(arrangement, &mut fans)?;
+                    for (slot, fan) in group.zip(&fans) {
+                        self.uses[slot] = fan.corner;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn open_edge(&self, arrangement: &Arrangement, corner: u32) -> Diagnostic {
+        let at = arrangement.points.at(arrangement.cells.corners()[corner as usize]);
+        Diagnostic::internal("open-edge", "an edge of the arrangement has one piece only").near(at)
+    }
+
+    fn fan(&self, arrangement: &Arrangement, corner: u32) -> Fan {
+        let corners = arrangement.cells.corners();
+        let (a, b) = (corners[corner as usize], corners[self.next[corner as usize] as usize]);
+        let triangle = arrangement.input.triangles[arrangement.cells.triangle[self.cell_of[corner as usize] as usize] as usize];
+        let projection = projection_of_triangle(arrangement.input, triangle);
+        let points = &arrangement.points;
+        // The corner of the triangle farthest from the line: its side is certain for the filter.
+        let (pa, pb) = (projection.apply(&points.at(a)), projection.apply(&points.at(b)));
+        let distance = |v: u32| {
+            let q = projection.apply(&points.at(v));
+            ((pb[0] - pa[0]) * (q[1] - pa[1]) - (pb[1] - pa[1]) * (q[0] - pa[0])).abs()
+        };
+        let mut order = triangle;
+        order.sort_by(|v, w| distance(*w).total_cmp(&distance(*v)));
+        let off = order.into_iter().find_map(|v| match points.orient2d(a, b, v, projection) {
+            0 => None,
+            side => Some((v, side)),
+        });
+        let (apex, side) = off.unwrap_or((order[0], 1));
+        let is_forward = self.is_forward[corner as usize];
+        // The piece lies to the left of its own directed edge.
+        Fan { corner, is_forward, triangle, projection, line: if is_forward { [a, b] } else { [b, a] }, apex, side }
+    }
+
+    /// Shells on the front and back of each of `count` sub-cells, and the number of shells.
+    pub fn shells(&self, count: usize) -> (Vec<[u32; 2]>, usize) {
+        let mut sets = UnionFind::new(2 * count);
+        for group in self.groups() {
+            for (k, &corner) in group.iter().enumerate() {
+                let following = group[(k + 1) % group.len()];
+                let (i, j) = (corner as usize, following as usize);
+                // Turning counter-clockwise one leaves a forward piece at its front, and meets a forward piece at its back.
+                let leaves = 2 * self.cell_of[i] + u32::from(!self.is_forward[i]);
+                let meets = 2 * self.cell_of[j] + u32::from(self.is_forward[j]);
+                sets.join(leaves, meets);
+            }
+        }
+        let (set, total) = sets.number();
+        (set.chunks_exact(2).map(|s| [s[0], s[1]]).collect(), total)
+    }
+}
+
+/// One piece at an edge.
+#[derive(Clone, Copy)]
+struct Fan {
+    corner: u32,
+    is_forward: bool,
+    triangle: [u32; 3],
+    projection: Projection,
+    /// Points of the edge, smaller number first.
+    line: [u32; 2],
+    /// A vertex of the triangle off the edge's line.
+    apex: u32,
+    /// +1 if the apex is on the same side of the line as the piece.
+    side: Sign,
+}
+
+/// Sign of the turn about the edge from piece `i` to piece `j`: +1 if j is less than half a turn counter-clockwise; 0 if both lie
+/// in one plane.
+fn turn(arrangement: &Arrangement, i: &Fan, j: &Fan) -> Sign {
+    let at = |v: u32| &arrangement.input.points[v as usize];
+    let [a, b, c] = i.triangle.map(at);
+    let forward = if i.is_forward { 1 } else { -1 };
+    forward * j.side * orient3d(a, b, c, at(j.apex))
+}
+
+/// For two pieces in one plane: +1 if they lie on the same side of the edge.
+fn alike(arrangement: &Arrangement, i: &Fan, j: &Fan) -> Sign {
+    let left = arrangement.points.orient2d(i.line[0], i.line[1], j.apex, i.projection);
+    (if i.is_forward { 1 } else { -1 }) * left * j.side
+}
+
+fn sort_fans(arrangement: &Arrangement, fans: &mut [Fan]) -> Result<(), Diagnostic> {
+    let reference = fans[0];
+    let mut is_broken = false;
+    // Half turn of each piece seen from the first: 0 itself, 1 less than half a turn, 2 opposite, 3 more.
+    let mut keyed: Vec<(u8, Fan)> = Vec::with_capacity(fans.len());
+    for (k, fan) in fans.iter().enumerate() {
+        let half = match turn(arrangement, &reference, fan) {
+            _ if k == 0 => 0,
+            1 => 1,
+            -1 => 3,
+            _ => {
+                // A piece that touches the edge from both sides (the edge ends inside it) is there twice, on opposite sides.
+                is_broken |= alike(arrangement, &reference, fan) > 0;
+                2
+            }
+        };
+        keyed.push((half, *fan));
+    }
+    keyed.sort_by(|a, b| {
+        a.0.cmp(&b.0).then_with(|| match turn(arrangement, &a.1, &b.1) {
+            1 => Ordering::Less,
+            -1 => Ordering::Greater,
+            _ => Ordering::Equal,
+        })
+    });
+    for pair in keyed.windows(2) {
+        is_broken |= pair[0].0 == pair[1].0 && turn(arrangement, &pair[0].1, &pair[1].1) == 0;
+    }
+    if is_broken {
+        let at: Vec3 = arrangement.points.at(reference.line[0]);
+        return Err(Diagnostic::internal("coinciding-pieces", "two pieces of the arrangement coincide").near(at));
+    }
+    for (slot, (_, fan)) in fans.iter_mut().zip(keyed) {
+        *slot = fan;
+    }
+    Ok(())
+}

@@ -1,0 +1,155 @@
+//! One exact ray per connected component (thesis 2.2.4.3: ray casting).
+
+use crate::arrangement::Arrangement;
+use crate::arrangement::exact::{self, ExactPoint};
+use crate::arrangement::point::Source;
+use crate::arrangement::projection_of_triangle;
+use crate::diag::Diagnostic;
+use crate::geom::Vec3;
+use crate::geom::aabb::Aabb;
+use crate::geom::predicates::{Sign, orient3d};
+
+/// Directions tried before giving up; each fails only if the ray meets an edge exactly.
+const TRIES: u64 = 64;
+
+/// Casts rays against the leaves.
+pub struct Rays<'a> {
+    arrangement: &'a Arrangement<'a>,
+    /// Triangles and box of each leaf.
+    leaves: Vec<(Vec<u32>, Aabb)>,
+    bounds: Aabb,
+}
+
+impl<'a> Rays<'a> {
+    /// Sorts the triangles by leaf.
+    pub fn new(arrangement: &'a Arrangement<'a>) -> Self {
+        let input = arrangement.input;
+        let mut leaves: Vec<(Vec<u32>, Aabb)> = Vec::new();
+        for (t, tri) in input.triangles.iter().enumerate() {
+            for owner in &input.cells[input.cell_of_triangle[t] as usize].owners {
+                let leaf = owner.leaf.0 as usize;
+                if leaves.len() <= leaf {
+                    leaves.resize(leaf + 1, (Vec::new(), Aabb::EMPTY));
+                }
+                leaves[leaf].0.push(t as u32);
+                leaves[leaf].1 = leaves[leaf].1.union(&Aabb::around(tri.map(|v| &input.points[v as usize])));
+            }
+        }
+        let bounds = leaves.iter().fold(Aabb::EMPTY, |b, l| b.union(&l.1));
+        Self { arrangement, leaves, bounds }
+    }
+
+    /// A sub-cell of the component, and the leaves that contain the space in front of it.
+    pub fn label_in_front(&mut self, component: Vec<u32>) -> Result<(u32, Vec<u32>), Diagnostic> {
+        let Some((cell, inside)) = component.iter().find_map(|&c| self.inner_point(c as usize).map(|p| (c, p))) else {
+            return Err(Diagnostic::internal("no-inner-point", "no piece of a component has a place to cast a ray from"));
+        };
+        let owners = self.arrangement.cells.owners_of(cell as usize);
+        let from = Origin { exact: self.arrangement.points.exact_of(&inside), near: self.arrangement.points.round(&inside).at };
+        let margin = self.bounds.diagonal() * 1e-9; // the rounded origin only selects leaves to look at
+        let mut label = Vec::new();
+        for (leaf, (triangles, bounds)) in self.leaves.iter().enumerate() {
+            match owners.iter().find(|o| o.leaf.0 as usize == leaf) {
+                Some(owner) if owner.is_flipped => label.push(leaf as u32),
+                Some(_) => {}
+                None if bounds.inflated(margin).contains(&from.near) => {
+                    if self.is_inside(&from, triangles)? {
+                        label.push(leaf as u32);
+                    }
+                }
+                None => {}
+            }
+        }
+        Ok((cell, label))
+    }
+
+    /// A point strictly inside a sub-cell: the barycentre of an ear of its outer loop that holds no other point.
+    fn inner_point(&self, cell: usize) -> Option<Source> {
+        let (cells, points) = (&self.arrangement.cells, &self.arrangement.points);
+        let triangle = self.arrangement.input.triangles[cells.triangle[cell] as usize];
+        let projection = projection_of_triangle(self.arrangement.input, triangle);
+        let all: Vec<u32> = cells.loops(cell).flatten().copied().collect();
+        let outer = cells.loops(cell).next()?;
+        let n = outer.len();
+        (0..n).find_map(|k| {
+            let ear = [outer[(k + n - 1) % n], outer[k], outer[(k + 1) % n]];
+            let turn = |a: u32, b: u32, c: u32| points.orient2d(a, b, c, projection);
+            if turn(ear[0], ear[1], ear[2]) <= 0 {
+                return None;
+            }
+            let is_in_ear = |p: &u32| {
+                !ear.contains(p) && (0..3).all(|e| turn(ear[e], ear[(e + 1) % 3], *p) >= 0)
+            };
+            let is_free = !all.iter().any(is_in_ear);
+            is_free.then(|| Source::Middle(Box::new(ear.map(|p| points.source(p)))))
+        })
+    }
+
+    /// Whether a point that is not on the leaf is inside it: parity of the triangles that a ray meets.
+    fn is_inside(&self, from: &Origin, triangles: &[u32]) -> Result<bool, Diagnostic> {
+        for attempt in 0..TRIES {
+            let target = self.far_point(attempt);
+            let crossings = triangles.iter().try_fold(0u32, |n, &t| Some(n + u32::from(self.crosses(from, &target, t)?)));
+            if let Some(n) = crossings {
+                return Ok(n % 2 == 1);
+            }
+        }
+        Err(Diagnostic::internal("ray", "every ray from a point meets an edge").near(from.near))
+    }
+
+    /// A point well outside everything, in a direction that depends on the attempt.
+    fn far_point(&self, attempt: u64) -> Vec3 {
+        // Equidistributed and unrelated to coordinate directions: multiples of three irrational numbers.
+        let f = |x: f64| ((attempt + 1) as f64 * x).fract() - 0.5;
+        let direction = Vec3::new(f(0.754_877_666_2) + 0.1, f(0.569_840_290_9) + 0.2, 0.6 + f(0.819_172_513_4).abs());
+        self.arrangement.points.coarse(&(self.bounds.center() + direction.normalize() * (2.0 * self.bounds.diagonal())))
+    }
+
+    /// Whether the open segment crosses a triangle; `None` if it meets its boundary.
+    fn crosses(&self, from: &Origin, to: &Vec3, triangle: u32) -> Option<bool> {
+        let input = self.arrangement.input;
+        let ids = input.triangles[triangle as usize];
+        let [a, b, c] = ids.map(|v| &input.points[v as usize]);
+        let above = orient3d(a, b, c, to);
+        let below = self.orient(from, [Some(ids[0]), Some(ids[1]), Some(ids[2])], to);
+        if above == 0 || below == 0 || above == below {
+            return Some(false);
+        }
+        let mut sides = [0; 3];
+        for k in 0..3 {
+            sides[k] = self.orient(from, [None, Some(ids[k]), Some(ids[(k + 1) % 3])], to);
+        }
+        if sides.contains(&0) {
+            // On the line of an edge: harmless if another edge separates.
+            return if sides.contains(&1) && sides.contains(&-1) { Some(false) } else { None };
+        }
+        Some(sides[0] == sides[1] && sides[1] == sides[2])
+    }
+
+    /// Side of the origin about the plane of three points, `None` standing for the target.
+    fn orient(&self, from: &Origin, plane: [Option<u32>; 3], target: &Vec3) -> Sign {
+        let at = |v: Option<u32>| v.map_or(*target, |v| self.arrangement.input.points[v as usize]);
+        let [a, b, c] = plane.map(at);
+        let (u, v, w) = (b - a, c - a, from.near - a);
+        let n = u.cross(&v);
+        let det = n.dot(&w);
+        // The origin is rounded to a few units in the last place; every product rounds as often.
+        let scale = from.near.amax().max(a.amax()).max(b.amax()).max(c.amax());
+        let bound = 64.0 * f64::EPSILON * (u.norm() * v.norm() * (w.norm() + scale) + scale * (u.norm() + v.norm()) * w.norm());
+        if det.abs() > bound {
+            return if det > 0.0 { 1 } else { -1 };
+        }
+        let points = &self.arrangement.points;
+        let exact = |v: Option<u32>| match v {
+            Some(v) => points.exact(v).into_owned(),
+            None => points.exact_at(target),
+        };
+        let [a, b, c] = plane.map(exact);
+        exact::orient3d(&a, &b, &c, &from.exact)
+    }
+}
+
+struct Origin {
+    exact: ExactPoint,
+    near: Vec3,
+}

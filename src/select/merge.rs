@@ -1,0 +1,156 @@
+//! Retained sub-cells of one facet with the same sides become one polygon.
+
+use super::SelectedFacet;
+use crate::arrangement::Arrangement;
+use crate::classify::EdgeUses;
+use crate::geom::union_find::UnionFind;
+use crate::ids::MarkerId;
+
+/// Merges across every edge at which exactly two retained pieces meet that come from the same facet, and have the same volumes in
+/// front and behind and the same marker.
+pub fn merge(
+    arrangement: &Arrangement,
+    edges: &EdgeUses,
+    kept: &[bool],
+    marker_of: &[MarkerId],
+    volumes_of: impl Fn(usize) -> [u32; 2],
+) -> Vec<SelectedFacet> {
+    let cells = &arrangement.cells;
+    let key = |cell: usize| {
+        let owner = cells.owners_of(cell)[0];
+        let [front, back] = volumes_of(cell);
+        // Seen from the source facet's outside, so that pieces of either orientation compare.
+        let sides = if owner.is_flipped { [back, front] } else { [front, back] };
+        (owner.leaf, owner.facet, sides, marker_of[cell])
+    };
+    let mut sets = UnionFind::new(cells.len());
+    // For each corner whose edge vanishes, the matching corner on the other side.
+    let mut twin = vec![u32::MAX; cells.corners().len()];
+    let mut alive: Vec<u32> = Vec::new();
+    for group in edges.groups() {
+        alive.clear();
+        alive.extend(group.iter().filter(|&&c| kept[edges.cell_of[c as usize] as usize]));
+        let &[a, b] = &alive[..] else { continue };
+        let (p, q) = (edges.cell_of[a as usize] as usize, edges.cell_of[b as usize] as usize);
+        let is_opposite = edges.is_forward[a as usize] != edges.is_forward[b as usize];
+        let is_same_turn = cells.owners_of(p)[0].is_flipped == cells.owners_of(q)[0].is_flipped;
+        if is_opposite && is_same_turn && (p == q || key(p) == key(q)) {
+            sets.join(p as u32, q as u32);
+            twin[a as usize] = b;
+            twin[b as usize] = a;
+        }
+    }
+    let (set_of, _) = sets.number();
+    collect(arrangement, edges, kept, &set_of, &twin, &|cell| (volumes_of(cell), marker_of[cell]))
+}
+
+fn collect(
+    arrangement: &Arrangement,
+    edges: &EdgeUses,
+    kept: &[bool],
+    set_of: &[u32],
+    twin: &[u32],
+    sides_of: &dyn Fn(usize) -> ([u32; 2], MarkerId),
+) -> Vec<SelectedFacet> {
+    let cells = &arrangement.cells;
+    let mut facets: Vec<SelectedFacet> = Vec::new();
+    let mut facet_of_set = vec![u32::MAX; cells.len()];
+    for cell in (0..cells.len()).filter(|&c| kept[c]) {
+        let slot = &mut facet_of_set[set_of[cell] as usize];
+        if *slot == u32::MAX {
+            *slot = facets.len() as u32;
+            let owner = cells.owners_of(cell)[0];
+            let (volumes, marker) = sides_of(cell);
+            let source = (owner.leaf, owner.facet);
+            facets.push(SelectedFacet { loops: Vec::new(), volumes, source, is_flipped: owner.is_flipped, marker, is_partial: false });
+        }
+    }
+    let mut is_walked = vec![false; twin.len()];
+    let mut lone = Vec::new();
+    for (range, cell) in cells.loop_ranges() {
+        if !kept[cell] {
+            continue;
+        }
+        let facet = facet_of_set[set_of[cell] as usize];
+        if range.len() == 1 {
+            lone.push((cells.corners()[range.start], facet));
+            continue;
+        }
+        for start in range {
+            if twin[start] == u32::MAX && !is_walked[start] {
+                let walk = walk(edges, cells.corners(), twin, &mut is_walked, start as u32);
+                facets[facet as usize].loops.push(walk);
+            }
+        }
+    }
+    for facet in &mut facets {
+        put_outer_first(arrangement, &mut facet.loops);
+    }
+    keep_lone_points(&mut facets, lone);
+    mark_partial(arrangement, &mut facets, kept, &facet_of_set, set_of);
+    facets
+}
+
+/// Walks the rim of a merged set: along corners, and through vanished edges to the next rim edge.
+fn walk(edges: &EdgeUses, corners: &[u32], twin: &[u32], is_walked: &mut [bool], start: u32) -> Vec<u32> {
+    let (mut corner, mut out) = (start, Vec::new());
+    loop {
+        is_walked[corner as usize] = true;
+        out.push(corners[corner as usize]);
+        corner = edges.next[corner as usize];
+        while twin[corner as usize] != u32::MAX {
+            corner = edges.next[twin[corner as usize] as usize];
+        }
+        if corner == start || is_walked[corner as usize] {
+            return out;
+        }
+    }
+}
+
+/// The outer loop is the one with the largest area; the others are holes or touching edges.
+fn put_outer_first(arrangement: &Arrangement, loops: &mut [Vec<u32>]) {
+    if loops.len() < 2 {
+        return;
+    }
+    let area = |walk: &Vec<u32>| {
+        let o = arrangement.points.at(walk[0]);
+        let ring = (0..walk.len()).map(|k| {
+            let (a, b) = (arrangement.points.at(walk[k]), arrangement.points.at(walk[(k + 1) % walk.len()]));
+            (a - o).cross(&(b - o))
+        });
+        ring.fold(crate::geom::Vec3::zeros(), |s, c| s + c).norm()
+    };
+    let areas: Vec<f64> = loops.iter().map(area).collect();
+    let largest = (0..loops.len()).fold(0, |m, k| if areas[k] > areas[m] { k } else { m });
+    loops.swap(0, largest);
+}
+
+/// A point inside a facet stays listed if another facet still has it.
+fn keep_lone_points(facets: &mut [SelectedFacet], lone: Vec<(u32, u32)>) {
+    if lone.is_empty() {
+        return;
+    }
+    let used: std::collections::BTreeSet<u32> = facets.iter().flat_map(|f| f.loops.iter().flatten().copied()).collect();
+    for (point, facet) in lone {
+        if used.contains(&point) {
+            facets[facet as usize].loops.push(vec![point]);
+        }
+    }
+}
+
+fn mark_partial(arrangement: &Arrangement, facets: &mut [SelectedFacet], kept: &[bool], facet_of_set: &[u32], set_of: &[u32]) {
+    use crate::geom::hash::IndexMap;
+    let mut pieces: IndexMap<(u32, u32), u32> = IndexMap::default();
+    let mut mine = vec![0u32; facets.len()];
+    for cell in 0..arrangement.cells.len() {
+        for owner in arrangement.cells.owners_of(cell) {
+            *pieces.entry((owner.leaf.0, owner.facet)).or_default() += 1;
+        }
+        if kept[cell] {
+            mine[facet_of_set[set_of[cell] as usize] as usize] += 1;
+        }
+    }
+    for (facet, count) in facets.iter_mut().zip(mine) {
+        facet.is_partial = pieces.get(&(facet.source.0.0, facet.source.1)) != Some(&count);
+    }
+}

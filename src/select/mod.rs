@@ -1,0 +1,77 @@
+//! Kill, retain or flip by the decision table, per Boolean node, then per part; what is left is merged to polygons.
+//!
+//! Reads a classified arrangement, gives `round` a [`Selected`] set of polygonal facets over exact points.
+//!
+//! A sub-cell is retained when it is *on* the boundary of what some part claims. Its class against a Boolean node follows from its
+//! classes against the operands ([`table`], thesis Table 2.4); the parts in front and behind are the last ones in the file that
+//! claim these sides. Retained neighbours that come from one facet of one leaf, separate the same parts and carry the same
+//! marker are merged: no diagonal and no edge of a killed facet survives.
+
+pub mod decide;
+mod markers;
+mod merge;
+pub mod table;
+
+use crate::arrangement::Arrangement;
+use crate::brep::complex::Marker;
+use crate::classify::Classified;
+use crate::geom::union_find::UnionFind;
+use crate::ids::{IdVec, LeafId, MarkerId, PartId};
+use crate::primitive::solid::Solid;
+use crate::scene::model::Scene;
+
+/// Retained facets over the points of the arrangement.
+pub struct Selected {
+    /// Facets, in order of their first sub-cell.
+    pub facets: Vec<SelectedFacet>,
+    /// Markers in use.
+    pub markers: IdVec<MarkerId, Marker>,
+    /// Sub-cells that were dropped.
+    pub killed: Vec<u32>,
+    /// Part of each volume (`None`: nobody's); volumes are what `SelectedFacet::volumes` numbers.
+    pub part_of_volume: Vec<Option<PartId>>,
+    /// Areas of the sub-cells where two parts claim the same space.
+    pub overlaps: Vec<decide::Overlap>,
+}
+
+/// A polygon with two sides.
+#[derive(Clone, Debug)]
+pub struct SelectedFacet {
+    /// Loops of point numbers, outer first; the facet lies to the left.
+    pub loops: Vec<Vec<u32>>,
+    /// Connected volumes of the arrangement in front and behind (nested components not yet joined).
+    pub volumes: [u32; 2],
+    /// The leaf's facet that it is a piece of.
+    pub source: (LeafId, u32),
+    /// Whether the source facet's outward normal is opposite to the facet's orientation.
+    pub is_flipped: bool,
+    /// Its name.
+    pub marker: MarkerId,
+    /// Whether it is less than its source facet.
+    pub is_partial: bool,
+}
+
+/// Selects and merges.
+pub fn select(scene: &Scene, solids: &[Solid], arrangement: &Arrangement, classified: &Classified) -> Selected {
+    let decision = decide::decide(scene, classified);
+    let mut volumes = UnionFind::new(classified.label_of_shell.len());
+    let (mut kept, mut killed) = (vec![false; arrangement.cells.len()], Vec::new());
+    for (cell, &[front, back]) in classified.shells.iter().enumerate() {
+        kept[cell] = decision.part_of_shell(classified, front) != decision.part_of_shell(classified, back);
+        if !kept[cell] {
+            volumes.join(front, back);
+            killed.push(cell as u32);
+        }
+    }
+    let (volume_of_shell, count) = volumes.number();
+    let mut part_of_volume = vec![None; count];
+    for (shell, &volume) in volume_of_shell.iter().enumerate() {
+        part_of_volume[volume as usize] = decision.part_of_shell(classified, shell as u32);
+    }
+    let volumes_of = |cell: usize| classified.shells[cell].map(|s| volume_of_shell[s as usize]);
+    let (markers, marker_of) = markers::assign(scene, solids, arrangement, &kept, |cell| {
+        volumes_of(cell).map(|v| part_of_volume[v as usize])
+    });
+    let facets = merge::merge(arrangement, &classified.edges, &kept, &marker_of, volumes_of);
+    Selected { facets, markers, killed, part_of_volume, overlaps: decision.overlaps }
+}
