@@ -2,6 +2,7 @@
 
 pub mod aabb;
 pub mod bvh;
+pub mod embedding;
 pub mod polygon;
 pub mod predicates;
 
