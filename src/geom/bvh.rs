@@ -4,6 +4,7 @@
 //! O(n log n), a query O(log n + hits) on well spread boxes.
 
 use super::aabb::Aabb;
+use std::ops::ControlFlow;
 
 /// Largest number of boxes in a tree leaf: below this, testing all is cheaper than descending.
 const LEAF_SIZE: usize = 4;
@@ -16,6 +17,10 @@ struct Node {
     /// Number of items; 0 for an inner node.
     count: u32,
 }
+
+/// A pair of subtrees whose items are to be paired; see [`Bvh::pair_tasks`].
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct PairTask(u32, u32);
 
 /// A box tree. Item numbers are the positions in the slice that it was built from.
 #[derive(Clone, Debug, Default)]
@@ -67,6 +72,71 @@ impl Bvh {
         }
     }
 
+    /// Pieces of the search for all overlapping pairs, for [`Bvh::overlapping_pairs`]: their number is at least `wanted` where
+    /// the tree is large enough, their order and content depend on the boxes only.
+    pub fn pair_tasks(&self, wanted: usize) -> Vec<PairTask> {
+        let mut tasks: Vec<PairTask> = if self.nodes.is_empty() { Vec::new() } else { vec![PairTask(0, 0)] };
+        loop {
+            let mut finer = Vec::with_capacity(tasks.len() * 3);
+            for &task in &tasks {
+                if !self.expand(task, &mut finer) {
+                    finer.push(task);
+                }
+            }
+            if finer.len() >= wanted || finer.len() == tasks.len() {
+                return finer;
+            }
+            tasks = finer;
+        }
+    }
+
+    /// Calls `visit` once with every pair of items of this task whose closed boxes overlap, until it breaks. The tasks of
+    /// [`Bvh::pair_tasks`] together give every overlapping pair once. Cost: O(n + pairs) on well spread boxes.
+    pub fn overlapping_pairs(&self, task: PairTask, mut visit: impl FnMut(u32, u32) -> ControlFlow<()>) {
+        let mut stack = vec![task];
+        while let Some(task) = stack.pop() {
+            if !self.expand(task, &mut stack) && self.visit_leaves(task, &mut visit).is_break() {
+                return;
+            }
+        }
+    }
+
+    /// Replaces a task by the tasks of its children, dropping those whose boxes are apart; false for a pair of tree leaves.
+    fn expand(&self, PairTask(n, m): PairTask, out: &mut Vec<PairTask>) -> bool {
+        let children = |k: u32| {
+            let node = &self.nodes[k as usize];
+            if node.count == 0 { [Some(k + 1), Some(node.first)] } else { [Some(k), None] }
+        };
+        let is_leaf = |k: u32| self.nodes[k as usize].count > 0;
+        if is_leaf(n) && is_leaf(m) {
+            return false;
+        }
+        for (i, a) in children(n).into_iter().flatten().enumerate() {
+            for b in children(m).into_iter().flatten().skip(if n == m { i } else { 0 }) {
+                if a == b || self.nodes[a as usize].bounds.overlaps(&self.nodes[b as usize].bounds) {
+                    out.push(PairTask(a, b));
+                }
+            }
+        }
+        true
+    }
+
+    fn visit_leaves(&self, PairTask(n, m): PairTask, visit: &mut impl FnMut(u32, u32) -> ControlFlow<()>) -> ControlFlow<()> {
+        let items = |k: u32| {
+            let node = &self.nodes[k as usize];
+            &self.items[node.first as usize..(node.first + node.count) as usize]
+        };
+        for (i, &a) in items(n).iter().enumerate() {
+            let bounds = &self.boxes[a as usize];
+            for &b in items(m).iter().skip(if n == m { i + 1 } else { 0 }) {
+                if bounds.overlaps(&self.boxes[b as usize]) {
+                    visit(a, b)?;
+                }
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
     /// The box of an item.
     pub fn bounds_of(&self, item: u32) -> &Aabb {
         &self.boxes[item as usize]
@@ -107,15 +177,39 @@ mod tests {
     use super::*;
     use crate::geom::Vec3;
 
-    #[test]
-    fn finds_what_a_full_search_finds() {
-        let boxes: Vec<Aabb> = (0..500)
+    fn scattered() -> Vec<Aabb> {
+        (0..500)
             .map(|k| {
                 let f = |m: u64| ((k as u64 * 7919 + m * 104_729) % 1000) as f64 / 100.0;
                 let lo = Vec3::new(f(1), f(2), f(3));
                 Aabb { lo, hi: lo + Vec3::new(f(4), f(5), f(6)) * 0.1 }
             })
-            .collect();
+            .collect()
+    }
+
+    #[test]
+    fn tasks_give_every_overlapping_pair_once() {
+        let boxes = scattered();
+        let tree = Bvh::new(boxes.clone());
+        let mut found = Vec::new();
+        for task in tree.pair_tasks(50) {
+            tree.overlapping_pairs(task, |a, b| {
+                found.push([a.min(b), a.max(b)]);
+                ControlFlow::Continue(())
+            });
+        }
+        found.sort_unstable();
+        let mut all = Vec::new();
+        for a in 0..500 {
+            all.extend((a + 1..500).filter(|&b| boxes[a as usize].overlaps(&boxes[b as usize])).map(|b| [a, b]));
+        }
+        assert!(all.len() > 500);
+        assert_eq!(found, all);
+    }
+
+    #[test]
+    fn finds_what_a_full_search_finds() {
+        let boxes = scattered();
         let tree = Bvh::new(boxes.clone());
         for query in boxes.iter().step_by(17) {
             let mut found = Vec::new();

@@ -4,6 +4,7 @@ pub mod aabb;
 pub mod bvh;
 pub mod dd;
 pub mod hash;
+pub mod embedding;
 pub mod polygon;
 pub mod predicates;
 pub mod union_find;

@@ -1,0 +1,140 @@
+use super::*;
+
+fn v(x: f64, y: f64, z: f64) -> Vec3 {
+    Vec3::new(x, y, z)
+}
+
+fn kinds(points: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Kind> {
+    violations(points, triangles, 100).iter().map(|v| v.kind).collect()
+}
+
+/// The next float above.
+fn up(x: f64) -> f64 {
+    f64::from_bits(x.to_bits() + 1)
+}
+
+#[test]
+fn neighbours_over_edges_and_vertices_are_fine() {
+    let points = [v(0., 0., 0.), v(1., 0., 0.), v(0., 1., 0.), v(1., 1., 0.), v(0., 0., 1.), v(2., 2., 1.), v(2., 2., 0.)];
+    let triangles = [[0, 1, 2], [2, 1, 3], [0, 4, 1], [1, 4, 5], [3, 5, 6], [0, 2, 4]];
+    assert_eq!(kinds(&points, &triangles), []);
+}
+
+#[test]
+fn fold_over_a_shared_edge_is_an_overlap_only_in_one_plane() {
+    let fold = |z| [v(0., 0., 0.), v(3., 0., 0.), v(0., 3., 0.), v(1., 1., z)];
+    let triangles = [[0, 1, 2], [1, 0, 3]];
+    assert_eq!(kinds(&fold(0.0), &triangles), [Kind::Overlap]);
+    assert_eq!(kinds(&fold(f64::MIN_POSITIVE), &triangles), []);
+}
+
+#[test]
+fn penetration_by_one_unit_in_the_last_place() {
+    let over = |z| [v(0., 0., 1.), v(4., 0., 1.), v(0., 4., 1.), v(1., 1., z), v(1., 2., 3.), v(2., 1., 3.)];
+    let triangles = [[0, 1, 2], [3, 4, 5]];
+    assert_eq!(kinds(&over(up(1.0)), &triangles), []);
+    assert_eq!(kinds(&over(1.0), &triangles), [Kind::VertexOnFacet]);
+    assert_eq!(kinds(&over(1.0 - f64::EPSILON / 2.0), &triangles), [Kind::Penetration]);
+}
+
+#[test]
+fn a_vertex_on_an_edge_is_found_in_the_plane_and_out_of_it() {
+    let points = |z| [v(0., 0., 0.), v(2., 0., 0.), v(1., 2., 0.), v(1., 0., 0.), v(0., -1., z), v(2., -1., z)];
+    let triangles = [[0, 1, 2], [3, 4, 5]];
+    for z in [0.0, 1.0] {
+        assert_eq!(kinds(&points(z), &triangles), [Kind::VertexOnEdge]);
+        // The T-junction of two neighbours: three triangles about the middle of an edge.
+        assert_eq!(kinds(&points(z), &[[0, 1, 2], [0, 4, 3], [3, 5, 1]]), [Kind::VertexOnEdge, Kind::VertexOnEdge]);
+    }
+}
+
+#[test]
+fn coincident_vertices_crossing_edges_and_collinear_edges() {
+    let points = [v(0., 0., 0.), v(2., 0., 0.), v(0., 2., 0.), v(0., 0., 0.), v(-1., 0., 1.), v(0., -1., 1.)];
+    assert_eq!(kinds(&points, &[[0, 1, 2], [3, 4, 5]]), [Kind::CoincidentVertices]);
+    let points = [v(0., 0., 0.), v(2., 0., 0.), v(1., 2., 0.), v(1., 0., -1.), v(1., 0., 1.), v(1., -2., 0.)];
+    assert_eq!(kinds(&points, &[[0, 1, 2], [3, 4, 5]]), [Kind::EdgesCross]);
+    let points = [v(0., 0., 0.), v(2., 0., 0.), v(1., 2., 0.), v(1., 0., 0.), v(3., 0., 0.), v(2., -1., 1.)];
+    assert_eq!(kinds(&points, &[[0, 1, 2], [3, 4, 5]]), [Kind::VertexOnEdge]);
+}
+
+#[test]
+fn overlap_in_one_plane_with_and_without_a_shared_vertex() {
+    let points = [v(0., 0., 0.), v(4., 0., 0.), v(0., 4., 0.), v(1., 1., 0.), v(2., 1., 0.), v(1., 2., 0.), v(5., 5., 0.)];
+    assert_eq!(kinds(&points, &[[0, 1, 2], [3, 4, 5]]), [Kind::Overlap]);
+    assert_eq!(kinds(&points, &[[0, 1, 2], [0, 4, 5]]), [Kind::Overlap]);
+    assert_eq!(kinds(&points, &[[0, 1, 2], [0, 6, 5]]), [Kind::Overlap]);
+}
+
+#[test]
+fn a_cone_through_a_shared_vertex() {
+    let points = |z: f64| [v(0., 0., 0.), v(4., 0., 0.), v(0., 4., 0.), v(1., 1., z), v(1., 1., -z), v(-1., -2., -1.)];
+    assert_eq!(kinds(&points(1.0), &[[0, 1, 2], [0, 3, 4]]), [Kind::Penetration]);
+    // The other triangle leaves on the far side of the shared vertex.
+    assert_eq!(kinds(&points(1.0), &[[0, 1, 2], [0, 3, 5]]), []);
+}
+
+#[test]
+fn duplicates_and_degenerate_triangles_count_once() {
+    let points = [v(0., 0., 0.), v(1., 0., 0.), v(0., 1., 0.), v(2., 0., 0.)];
+    assert_eq!(kinds(&points, &[[0, 1, 2], [1, 0, 2]]), [Kind::Duplicate]);
+    assert_eq!(kinds(&points, &[[0, 1, 3], [0, 1, 2], [0, 0, 2]]), [Kind::Degenerate, Kind::Degenerate]);
+}
+
+#[test]
+fn the_limit_is_kept_and_the_order_is_by_number() {
+    let points: Vec<Vec3> = (0..300).map(|k| v((k * k % 7) as f64, (k * 5 % 11) as f64, (k % 13) as f64)).collect();
+    let triangles: Vec<[u32; 3]> = (0..100).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+    let all = violations(&points, &triangles, usize::MAX);
+    assert!(all.len() > 50 && all.is_sorted_by_key(|v| v.triangles));
+    assert_eq!(violations(&points, &triangles, 7).len(), 7);
+}
+
+/// Compares with separating axes in integers on a small grid, where coincidences of every kind are frequent.
+#[test]
+fn agrees_with_separating_axes_on_a_small_grid() {
+    let mut state = 1u64;
+    let mut next = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as i64
+    };
+    let mut hits = 0;
+    for _ in 0..4000 {
+        let grid: Vec<[i64; 3]> = (0..6).map(|_| [next() % 4, next() % 4, next() % 3]).collect();
+        let points: Vec<Vec3> = grid.iter().map(|p| v(p[0] as f64, p[1] as f64, p[2] as f64)).collect();
+        let found = violations(&points, &[[0, 1, 2], [3, 4, 5]], 10);
+        if found.iter().any(|v| v.kind == Kind::Degenerate) {
+            continue;
+        }
+        let meets = exact_distance_is_zero(&grid);
+        hits += usize::from(meets);
+        assert_eq!(!found.is_empty(), meets, "{grid:?} {found:?}");
+    }
+    assert!(hits > 500);
+}
+
+/// Whether two integer triangles share a point: none of the candidate axes (normals, products of edges, normals of edges in the
+/// planes) separates them.
+fn exact_distance_is_zero(p: &[[i64; 3]]) -> bool {
+    let sub = |a: [i64; 3], b: [i64; 3]| [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+    let cross = |a: [i64; 3], b: [i64; 3]| [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+    let dot = |a: [i64; 3], b: [i64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let edges = |k: usize| [sub(p[k + 1], p[k]), sub(p[k + 2], p[k + 1]), sub(p[k], p[k + 2])];
+    let (e, f) = (edges(0), edges(3));
+    let (n, m) = (cross(e[0], e[1]), cross(f[0], f[1]));
+    let mut axes = vec![n, m];
+    for a in e {
+        axes.extend(f.map(|b| cross(a, b)));
+        axes.push(cross(n, a));
+    }
+    axes.extend(f.map(|b| cross(m, b)));
+    let is_separated = |axis: &[i64; 3]| {
+        let span = |k: usize| {
+            let d = [0, 1, 2].map(|i| dot(*axis, p[k + i]));
+            (d.into_iter().min(), d.into_iter().max())
+        };
+        let ((lo, hi), (lo2, hi2)) = (span(0), span(3));
+        hi < lo2 || hi2 < lo
+    };
+    !axes.iter().any(is_separated)
+}
