@@ -79,14 +79,17 @@ fn collect(
         for start in range {
             if twin[start] == u32::MAX && !is_walked[start] {
                 let walk = walk(edges, cells.corners(), twin, &mut is_walked, start as u32);
-                facets[facet as usize].loops.push(walk);
+                split_simple(walk, &mut facets[facet as usize].loops);
             }
         }
     }
     for facet in &mut facets {
         put_outer_first(arrangement, &mut facet.loops);
     }
-    keep_lone_points(&mut facets, lone);
+    let vanished = (0..twin.len()).filter(|&c| twin[c] != u32::MAX).map(|c| {
+        (cells.corners()[c], facet_of_set[set_of[edges.cell_of[c] as usize] as usize])
+    });
+    keep_lone_points(&mut facets, lone.into_iter().chain(vanished));
     mark_partial(arrangement, &mut facets, kept, &facet_of_set, set_of);
     facets
 }
@@ -125,16 +128,45 @@ fn put_outer_first(arrangement: &Arrangement, loops: &mut [Vec<u32>]) {
     loops.swap(0, largest);
 }
 
-/// A point inside a facet stays listed if another facet still has it.
-fn keep_lone_points(facets: &mut [SelectedFacet], lone: Vec<(u32, u32)>) {
-    if lone.is_empty() {
+/// Cuts a walk at vertices that it visits twice, so that every loop is simple: a hole that touches the rim in a vertex becomes a
+/// loop of its own, an edge that is walked back and forth a loop of two.
+fn split_simple(walk: Vec<u32>, loops: &mut Vec<Vec<u32>>) {
+    let mut path: Vec<u32> = Vec::with_capacity(walk.len());
+    let has_repeats = {
+        let mut sorted = walk.clone();
+        sorted.sort_unstable();
+        sorted.windows(2).any(|w| w[0] == w[1])
+    };
+    if !has_repeats {
+        loops.push(walk);
         return;
     }
-    let used: std::collections::BTreeSet<u32> = facets.iter().flat_map(|f| f.loops.iter().flatten().copied()).collect();
-    for (point, facet) in lone {
-        if used.contains(&point) {
-            facets[facet as usize].loops.push(vec![point]);
+    for v in walk {
+        if let Some(k) = path.iter().position(|&w| w == v) {
+            loops.push(path.split_off(k));
         }
+        path.push(v);
+    }
+    loops.push(path);
+}
+
+/// A point inside a merged facet stays listed if another facet has it on its rim.
+fn keep_lone_points(facets: &mut [SelectedFacet], inner: impl Iterator<Item = (u32, u32)>) {
+    let mut rims: Vec<(u32, u32)> = Vec::new();
+    for (f, facet) in facets.iter().enumerate() {
+        rims.extend(facet.loops.iter().flatten().map(|&p| (p, f as u32)));
+    }
+    rims.sort_unstable();
+    let mut wanted: Vec<(u32, u32)> = inner
+        .filter(|&(point, facet)| {
+            let first = rims.partition_point(|r| r.0 < point);
+            rims.get(first).is_some_and(|r| r.0 == point) && rims.binary_search(&(point, facet)).is_err()
+        })
+        .collect();
+    wanted.sort_unstable();
+    wanted.dedup();
+    for (point, facet) in wanted {
+        facets[facet as usize].loops.push(vec![point]);
     }
 }
 

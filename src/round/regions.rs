@@ -1,0 +1,136 @@
+//! Regions: connected volumes, joined across nested components and numbered.
+
+use crate::brep::complex::{Complex, Region};
+use crate::diag::Diagnostic;
+use crate::geom::Vec3;
+use crate::geom::aabb::Aabb;
+use crate::geom::predicates::{Sign, orient3d};
+use crate::ids::{FacetId, IdVec, PartId, RegionId};
+
+/// Directions tried before giving up; each fails only if the ray meets an edge exactly.
+const TRIES: u64 = 64;
+
+/// The boundary of one volume, as far as the arrangement knows it.
+struct Shell {
+    part: Option<PartId>,
+    /// Facets, and whether the volume is in front of them.
+    sides: Vec<(FacetId, bool)>,
+    /// Enclosed volume; negative if the volume lies outside of the shell.
+    volume: f64,
+    bounds: Aabb,
+    /// Shell of the same volume that encloses it, or itself; `None` is the unbounded outside.
+    home: Option<usize>,
+}
+
+/// Numbers the regions: 0 outside, then by part and first facet, then voids; sets the sides of all facets.
+pub fn number(complex: &mut Complex, volumes: &[[u32; 2]], part_of_volume: &[Option<PartId>]) -> Result<(), Diagnostic> {
+    let mut shells: Vec<Shell> = Vec::new();
+    let mut shell_of_volume = vec![usize::MAX; part_of_volume.len()];
+    for (facet, sides) in complex.facets.ids().zip(volumes) {
+        for (k, &volume) in sides.iter().enumerate() {
+            let slot = &mut shell_of_volume[volume as usize];
+            if *slot == usize::MAX {
+                *slot = shells.len();
+                let part = part_of_volume[volume as usize];
+                shells.push(Shell { part, sides: Vec::new(), volume: 0.0, bounds: Aabb::EMPTY, home: None });
+            }
+            shells[*slot].sides.push((facet, k == 0));
+        }
+    }
+    for shell in &mut shells {
+        measure(shell, complex);
+    }
+    for s in 0..shells.len() {
+        shells[s].home = if shells[s].volume > 0.0 { Some(s) } else { enclosing(complex, &shells, s)? };
+    }
+    let mut homes: Vec<usize> = (0..shells.len()).filter(|&s| shells[s].home == Some(s)).collect();
+    homes.sort_by_key(|&s| (shells[s].part.map_or(u32::MAX, |p| p.0), shells[s].sides.first().map(|x| x.0)));
+    let mut regions = IdVec::from(vec![Region { part: None }]);
+    let mut region_of = vec![RegionId(0); shells.len()];
+    for &home in &homes {
+        region_of[home] = regions.push(Region { part: shells[home].part });
+    }
+    for (facet, sides) in complex.facets.iter_mut().zip(volumes) {
+        facet.sides = sides.map(|v| match shells[shell_of_volume[v as usize]].home {
+            Some(home) => region_of[home],
+            None => RegionId(0),
+        });
+    }
+    complex.regions = regions;
+    Ok(())
+}
+
+fn corners(complex: &Complex, facet: FacetId) -> impl Iterator<Item = [Vec3; 3]> {
+    complex.facets[facet].triangles.iter().map(|t| t.map(|v| complex.vertices[v].point))
+}
+
+fn measure(shell: &mut Shell, complex: &Complex) {
+    let origin = shell.sides.first().and_then(|s| corners(complex, s.0).next()).map_or(Vec3::zeros(), |t| t[0]);
+    for &(facet, is_front) in &shell.sides {
+        for [a, b, c] in corners(complex, facet) {
+            let six = (a - origin).dot(&(b - origin).cross(&(c - origin)));
+            shell.volume += if is_front { -six } else { six } / 6.0;
+            shell.bounds = shell.bounds.union(&Aabb::around([&a, &b, &c]));
+        }
+    }
+}
+
+/// The smallest shell of the same part that encloses shell `s`; `None` if it lies in the outside.
+fn enclosing(complex: &Complex, shells: &[Shell], s: usize) -> Result<Option<usize>, Diagnostic> {
+    let mine = &shells[s];
+    let mut candidates: Vec<usize> = (0..shells.len())
+        .filter(|&c| shells[c].volume > 0.0 && mine.bounds.union(&shells[c].bounds) == shells[c].bounds)
+        .collect();
+    candidates.sort_by(|&a, &b| shells[a].volume.total_cmp(&shells[b].volume).then(a.cmp(&b)));
+    for c in candidates {
+        if shells[c].part == mine.part && encloses(complex, &shells[c], mine)? {
+            return Ok(Some(c));
+        }
+    }
+    if mine.part.is_none() {
+        return Ok(None);
+    }
+    let at = mine.sides.first().and_then(|f| corners(complex, f.0).next()).map_or(Vec3::zeros(), |t| t[0]);
+    Err(Diagnostic::internal("homeless-shell", "a part's volume has no outer boundary").near(at))
+}
+
+/// Whether a vertex of `inner` that is not on `outer` lies inside `outer`.
+fn encloses(complex: &Complex, outer: &Shell, inner: &Shell) -> Result<bool, Diagnostic> {
+    let on_outer: std::collections::BTreeSet<_> =
+        outer.sides.iter().flat_map(|s| complex.facets[s.0].loops.iter().flatten().copied()).collect();
+    let mut free = inner.sides.iter().flat_map(|s| complex.facets[s.0].loops.iter().flatten().copied());
+    let Some(vertex) = free.find(|v| !on_outer.contains(v)) else {
+        // All vertices touch: decide by the middle of a triangle, which rounding moves by far less than its size.
+        let middle = inner.sides.first().and_then(|s| corners(complex, s.0).next()).map(|[a, b, c]| (a + b + c) / 3.0);
+        return middle.map_or(Ok(false), |p| is_inside(complex, outer, &p));
+    };
+    is_inside(complex, outer, &complex.vertices[vertex].point)
+}
+
+fn is_inside(complex: &Complex, shell: &Shell, p: &Vec3) -> Result<bool, Diagnostic> {
+    for attempt in 0..TRIES {
+        let f = |x: f64| ((attempt + 1) as f64 * x).fract() - 0.5;
+        let direction = Vec3::new(f(0.754_877_666_2) + 0.1, f(0.569_840_290_9) + 0.2, 0.6 + f(0.819_172_513_4).abs());
+        let far = shell.bounds.center() + direction.normalize() * (2.0 * shell.bounds.diagonal());
+        let count = shell.sides.iter().try_fold(0u32, |n, s| {
+            corners(complex, s.0).try_fold(n, |n, t| Some(n + u32::from(crosses(p, &far, &t)?)))
+        });
+        if let Some(n) = count {
+            return Ok(n % 2 == 1);
+        }
+    }
+    Err(Diagnostic::internal("ray", "every ray from a point meets an edge").near(*p))
+}
+
+/// Whether the segment crosses the triangle; `None` if it meets its boundary.
+fn crosses(p: &Vec3, q: &Vec3, [a, b, c]: &[Vec3; 3]) -> Option<bool> {
+    let (above, below) = (orient3d(a, b, c, q), orient3d(a, b, c, p));
+    if above == 0 || below == 0 || above == below {
+        return Some(false);
+    }
+    let sides: [Sign; 3] = [orient3d(p, q, a, b), orient3d(p, q, b, c), orient3d(p, q, c, a)];
+    if sides.contains(&0) {
+        return if sides.contains(&1) && sides.contains(&-1) { Some(false) } else { None };
+    }
+    Some(sides[0] == sides[1] && sides[1] == sides[2])
+}
