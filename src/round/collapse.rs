@@ -1,4 +1,4 @@
-//! Points that round to one place become one vertex.
+//! Points that are nearer than a few units in the last place become one vertex.
 
 use crate::geom::Vec3;
 use crate::geom::hash::IndexMap;
@@ -6,23 +6,22 @@ use crate::geom::hash::IndexMap;
 /// Facets' loops over rounded vertices.
 pub type Loops = Vec<Vec<Vec<u32>>>;
 
-/// Numbers the used places in order of first use; equal places get one number, and what collapses is dropped: repeated vertices,
-/// loops that become lines. A facet whose outer loop collapses keeps no loop.
-pub fn weld(facets: Loops, places: &[Vec3]) -> (Vec<Vec3>, Loops) {
-    let mut number_of_place: IndexMap<[u64; 3], u32> = IndexMap::default();
+/// Numbers the used places in order of first use; places within `reach` of an earlier one get its number, and what collapses is
+/// dropped: repeated vertices, loops that become lines. A facet whose outer loop collapses keeps no loop.
+///
+/// The first `explicit` places are vertices that contact has kept apart; they win over intersection points.
+pub fn weld(facets: Loops, places: &[Vec3], explicit: usize, reach: f64) -> (Vec<Vec3>, Loops) {
+    let number = number_places(&facets, places, explicit, reach);
     let mut points = Vec::new();
-    let mut number = vec![u32::MAX; places.len()];
+    let mut slot = vec![u32::MAX; places.len()];
     let mut vertex = |p: u32| {
-        if number[p as usize] == u32::MAX {
+        let p = number[p as usize] as usize;
+        if slot[p] == u32::MAX {
+            slot[p] = points.len() as u32;
             // Adding zero turns -0 into 0, so that both are one place.
-            let at = places[p as usize].map(|x| x + 0.0);
-            let key = [at.x.to_bits(), at.y.to_bits(), at.z.to_bits()];
-            number[p as usize] = *number_of_place.entry(key).or_insert_with(|| {
-                points.push(at);
-                points.len() as u32 - 1
-            });
+            points.push(places[p].map(|x| x + 0.0));
         }
-        number[p as usize]
+        slot[p]
     };
     let renamed: Loops = facets.iter().map(|f| f.iter().map(|w| w.iter().map(|&p| vertex(p)).collect()).collect()).collect();
     let tidy = |facet: Vec<Vec<u32>>| {
@@ -41,6 +40,41 @@ pub fn weld(facets: Loops, places: &[Vec3]) -> (Vec<Vec3>, Loops) {
         loops
     };
     (points, renamed.into_iter().map(tidy).collect())
+}
+
+/// For every used place the place that represents it.
+fn number_places(facets: &Loops, places: &[Vec3], explicit: usize, reach: f64) -> Vec<u32> {
+    let mut used: Vec<u32> = facets.iter().flatten().flatten().copied().collect();
+    used.sort_unstable();
+    used.dedup();
+    let mut number: Vec<u32> = (0..places.len() as u32).collect();
+    if used.last().is_none_or(|&p| (p as usize) < explicit) {
+        return number;
+    }
+    // A grid of twice the reach: what is near lies in at most eight cells.
+    let cell = 2.0 * reach;
+    let mut grid: IndexMap<[i64; 3], Vec<u32>> = IndexMap::default();
+    for p in used {
+        let at = places[p as usize];
+        let near = |d: f64| [0, 1, 2].map(|k| ((at[k] + d) / cell).floor() as i64);
+        let (lo, hi, own) = (near(-reach), near(reach), near(0.0));
+        let mut found = None;
+        if p as usize >= explicit {
+            for x in lo[0]..=hi[0] {
+                for y in lo[1]..=hi[1] {
+                    for z in lo[2]..=hi[2] {
+                        let close = grid.get(&[x, y, z]).into_iter().flatten().find(|&&q| (places[q as usize] - at).norm() <= reach);
+                        found = found.or(close.copied());
+                    }
+                }
+            }
+        }
+        match found {
+            Some(q) => number[p as usize] = q,
+            None => grid.entry(own).or_default().push(p),
+        }
+    }
+    number
 }
 
 /// Drops repeated neighbours and steps back and forth.
@@ -84,7 +118,7 @@ mod tests {
     #[test]
     fn equal_places_are_one_vertex() {
         let places = [Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::x(), Vec3::new(-0.0, 0.0, 0.0)];
-        let (points, loops) = weld(vec![vec![vec![0, 1, 2]], vec![vec![3, 4, 2]], vec![vec![0, 1, 3]]], &places);
+        let (points, loops) = weld(vec![vec![vec![0, 1, 2]], vec![vec![3, 4, 2]], vec![vec![0, 1, 3]]], &places, 3, 1e-15);
         assert_eq!(points.len(), 3);
         assert_eq!(loops, vec![vec![vec![0, 1, 2]], vec![vec![1, 0, 2]], vec![]]);
     }

@@ -4,8 +4,8 @@
 //!
 //! # Steps
 //! 1. `dissolve`: vertices left in the middle of a straight edge go.
-//! 2. Every point is rounded once, to the nearest `f64`; points that round to one place become one vertex, and facets that
-//!    collapse go (`collapse`).
+//! 2. Every point is rounded once, to the nearest `f64`; intersection points within 4 units in the last place of the model's size
+//!    of another vertex become that vertex, and facets that collapse go (`collapse`).
 //! 3. `facets`: every polygon is triangulated over its vertices; a polygon that is not planar to rounding (contact moved its
 //!    vertices within the tolerance) is written as its triangles.
 //! 4. The triangles are tested exactly against each other (`geom::embedding`). What fails is reported to the caller, which repairs
@@ -59,7 +59,8 @@ pub fn round(
     let mut loops: Vec<Vec<Vec<u32>>> = selected.facets.iter().map(|f| f.loops.clone()).collect();
     let places: Vec<Vec3> = (0..arrangement.points.len() as u32).map(|p| arrangement.points.at(p)).collect();
     dissolve::dissolve(&mut loops, &places, tolerance.max(size * f64::EPSILON * PLANAR_ULPS));
-    let (points, loops) = collapse::weld(loops, &places);
+    let reach = PLANAR_ULPS * f64::EPSILON * size;
+    let (points, loops) = collapse::weld(loops, &places, arrangement.points.explicit_len(), reach);
     let pieces = facets::triangulate(&loops, &points, size)?;
     let (surfaces, surface_of) = surface_table(solids);
     let mut complex = Complex { surfaces, markers: selected.markers.clone(), ..Default::default() };
