@@ -32,12 +32,13 @@
 use crate::arrangement::{self, Statistics};
 use crate::brep::complex::Complex;
 use crate::classify;
-use crate::contact::conforming::Conforming;
+use crate::contact::{self, conforming::Conforming};
 use crate::diag::{Diagnostic, Outcome};
 use crate::geom::aabb::Aabb;
 use crate::primitive::solid::Solid;
 use crate::round::{self, Rounded};
-use crate::scene::model::Scene;
+use crate::ids::LeafId;
+use crate::scene::model::{Node, Scene};
 use crate::select;
 
 /// A valid complex and how it came about.
@@ -48,6 +49,34 @@ pub struct Evaluation {
     pub statistics: Statistics,
     /// Rounds of repair that rounding needed.
     pub repairs: u32,
+}
+
+/// From leaf solids to the complex.
+pub fn evaluate(scene: &Scene, solids: &[Solid]) -> Outcome<Evaluation> {
+    let size = size_of(solids);
+    let tolerance = scene.tolerance * size;
+    let own: Vec<Option<f64>> = scene.leaves.iter().map(|l| l.tolerance.map(|t| t * size)).collect();
+    let name = |leaf: LeafId| leaf_name(scene, leaf);
+    let conforming = contact::conform(solids, tolerance, &own, &name)?;
+    evaluate_conforming(scene, solids, &conforming, size)
+}
+
+/// How messages call a leaf.
+fn leaf_name(scene: &Scene, leaf: LeafId) -> String {
+    let part = scene.parts.iter().find(|p| uses(&p.solid, leaf)).map(|p| p.name.as_str());
+    match (&scene.leaves[leaf].name, part) {
+        (Some(name), Some(part)) => format!("`{name}` of part `{part}`"),
+        (Some(name), None) => format!("`{name}`"),
+        (None, Some(part)) => format!("a solid of part `{part}`"),
+        (None, None) => format!("solid {}", leaf.0 + 1),
+    }
+}
+
+fn uses(node: &Node, leaf: LeafId) -> bool {
+    match node {
+        Node::Leaf(l) => *l == leaf,
+        Node::Boolean(_, operands) => operands.iter().any(|o| uses(o, leaf)),
+    }
 }
 
 /// From conforming cells to the complex.

@@ -1,9 +1,7 @@
 use super::*;
-use crate::contact::conforming::{Cell, Owner};
 use crate::diag::Span;
-use crate::geom::polygon;
 use crate::geom::{Affine, Vec3};
-use crate::ids::{Id, IdVec, LeafId};
+use crate::ids::{Id, IdVec};
 use crate::primitive::solid::{Freedom, Shape, SolidFacet, SolidSurface, SolidVertex};
 use crate::scene::model::*;
 
@@ -21,32 +19,6 @@ fn block(lo: [f64; 3], hi: [f64; 3]) -> Solid {
         facets: quads.iter().enumerate().map(|(k, q)| SolidFacet { loops: vec![q.to_vec()], surface: k as u32 }).collect(),
         surfaces: sides.iter().map(|s| SolidSurface { side: (*s).to_string(), shape: Shape::Plane }).collect(),
     }
-}
-
-fn weld(solids: &[Solid]) -> Conforming {
-    let mut out = Conforming { tolerance: 1e-12, ..Default::default() };
-    for (leaf, solid) in solids.iter().enumerate() {
-        let ids: Vec<u32> = solid
-            .vertices
-            .iter()
-            .map(|v| {
-                out.points.iter().position(|p| *p == v.point).unwrap_or_else(|| {
-                    out.points.push(v.point);
-                    out.points.len() - 1
-                }) as u32
-            })
-            .collect();
-        for (facet, f) in solid.facets.iter().enumerate() {
-            let loops: Vec<Vec<u32>> = f.loops.iter().map(|l| l.iter().map(|&v| ids[v as usize]).collect()).collect();
-            let walks: Vec<&[u32]> = loops.iter().map(|l| &l[..]).collect();
-            let triangles = polygon::triangulate(&walks, &[], &[], &out.points).unwrap();
-            out.cell_of_triangle.extend(triangles.iter().map(|_| out.cells.len() as u32));
-            out.triangles.extend(triangles);
-            let owner = Owner { leaf: LeafId::new(leaf), facet: facet as u32, is_flipped: false };
-            out.cells.push(Cell { owners: vec![owner], loops });
-        }
-    }
-    out
 }
 
 fn scene(parts: Vec<(&str, Node)>, leaves: usize) -> Scene {
@@ -86,7 +58,7 @@ fn leaf(k: u32) -> Node {
 
 fn run(parts: Vec<(&str, Node)>, solids: &[Solid]) -> Complex {
     let scene = scene(parts, solids.len());
-    evaluate_conforming(&scene, solids, &weld(solids), size_of(solids)).unwrap_or_else(|e| panic!("{e:?}")).complex
+    evaluate(&scene, solids).unwrap_or_else(|e| panic!("{e:?}")).complex
 }
 
 fn volumes(complex: &Complex) -> Vec<f64> {

@@ -63,7 +63,7 @@ impl Bvh {
                 stack.push(node.first);
                 stack.push(n + 1);
             } else {
-                for &i in &self.items[node.first as usize..(node.first + node.count) as usize] {
+                for &i in self.items_of(node) {
                     if accept(&self.boxes[i as usize]) {
                         visit(i);
                     }
@@ -135,6 +135,39 @@ impl Bvh {
             }
         }
         ControlFlow::Continue(())
+    }
+
+    /// Calls `visit` with every pair (item of this tree, item of `other`) whose boxes come nearer than `margin` along every
+    /// axis. Descends both trees together, so that pairs far apart cost nothing.
+    pub fn pairs(&self, other: &Self, margin: f64, mut visit: impl FnMut(u32, u32)) {
+        if self.nodes.is_empty() || other.nodes.is_empty() {
+            return;
+        }
+        let near = |a: &Aabb, b: &Aabb| (0..3).all(|k| a.lo[k] - b.hi[k] <= margin && b.lo[k] - a.hi[k] <= margin);
+        let mut stack = vec![(0u32, 0u32)];
+        while let Some((m, n)) = stack.pop() {
+            let (a, b) = (&self.nodes[m as usize], &other.nodes[n as usize]);
+            if !near(&a.bounds, &b.bounds) {
+                continue;
+            }
+            match (a.count, b.count) {
+                (0, 0) if a.bounds.diagonal() < b.bounds.diagonal() => stack.extend([(m, b.first), (m, n + 1)]),
+                (0, _) => stack.extend([(a.first, n), (m + 1, n)]),
+                (_, 0) => stack.extend([(m, b.first), (m, n + 1)]),
+                _ => {
+                    for &i in self.items_of(a) {
+                        for &j in other.items_of(b).iter().filter(|&&j| near(&self.boxes[i as usize], &other.boxes[j as usize]))
+                        {
+                            visit(i, j);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    fn items_of(&self, node: &Node) -> &[u32] {
+        &self.items[node.first as usize..(node.first + node.count) as usize]
     }
 
     /// The box of an item.
@@ -218,5 +251,16 @@ mod tests {
             let all: Vec<u32> = (0..500).filter(|&i| boxes[i as usize].overlaps(query)).collect();
             assert_eq!(found, all);
         }
+        let (left, right) = (Bvh::new(boxes[..200].to_vec()), Bvh::new(boxes[200..].to_vec()));
+        let mut found = Vec::new();
+        left.pairs(&right, 0.1003, |i, j| found.push((i, j)));
+        found.sort_unstable();
+        let near = |i: usize, j: usize| boxes[i].inflated(0.1003).overlaps(&boxes[200 + j]);
+        let all: Vec<(u32, u32)> = (0..200)
+            .flat_map(|i| (0..300).map(move |j| (i, j)))
+            .filter(|&(i, j)| near(i, j))
+            .map(|(i, j)| (i as u32, j as u32))
+            .collect();
+        assert_eq!(found, all);
     }
 }

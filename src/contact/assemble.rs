@@ -1,0 +1,134 @@
+//! Drafts of all sheets and untouched facets to one list of cells.
+
+use super::body::{Body, Names};
+use super::candidates::PARALLEL_FROM;
+use super::cells::{self, Draft, Tangled};
+use super::conforming::{Cell, Conforming, Owner};
+use super::sheets::Sheets;
+use super::weld::{MAX_MESSAGES, NumberMap};
+use crate::diag::{Diagnostic, Outcome};
+use crate::geom::polygon;
+use rayon::prelude::*;
+
+/// All cells in the order of their first facets.
+pub(super) fn assemble(body: &Body, sheets: &Sheets, tolerance: f64, names: Names) -> Outcome<Conforming> {
+    let mut sheet_at = vec![u32::MAX; body.facet_count()];
+    for (k, sheet) in sheets.sheets.iter().enumerate() {
+        sheet_at[sheets.outlines[sheet.members[0] as usize].facet as usize] = k as u32;
+    }
+    // Facets without a contact stand for themselves, sheets at their first member.
+    let starts: Vec<u32> = (0..body.facet_count() as u32)
+        .filter(|&f| sheets.slot[f as usize] == u32::MAX || sheet_at[f as usize] != u32::MAX)
+        .collect();
+    let draft = |&f: &u32| -> Result<Vec<Draft>, (u32, Tangled)> {
+        let drafts = match sheets.sheets.get(sheet_at[f as usize] as usize) {
+            None => cells::plain(f, body.loops(f), &body.points).map(|d| vec![d]),
+            Some(s) if s.is_plain() => {
+                cells::plain(f, sheets.outlines[s.reference as usize].loops.clone(), &body.points).map(|d| vec![d])
+            }
+            Some(s) => cells::trace(s, &sheets.outlines, &body.points),
+        };
+        drafts.map_err(|t| (f, t))
+    };
+    let drafts: Vec<_> =
+        if starts.len() >= PARALLEL_FROM { starts.par_iter().map(draft).collect() } else { starts.iter().map(draft).collect() };
+    let mut errors = Vec::new();
+    let mut all = Collector::default();
+    for (found, &start) in drafts.into_iter().zip(&starts) {
+        match found {
+            // What has no contact cannot coincide with anything.
+            Ok(list) if sheets.slot[start as usize] == u32::MAX => all.drafts.extend(list),
+            Ok(list) => list.into_iter().for_each(|d| all.add(d, body)),
+            Err((facet, tangled)) if errors.len() < MAX_MESSAGES => errors.push(unresolved(body, facet, tangled, names)),
+            Err(_) => {}
+        }
+    }
+    if !errors.is_empty() {
+        return Err(errors);
+    }
+    Ok(finish(body, all.drafts, tolerance))
+}
+
+fn unresolved(body: &Body, facet: u32, tangled: Tangled, names: Names) -> Diagnostic {
+    let name = names(body.leaf(facet));
+    Diagnostic::error("contact-unresolved", format!("what touches a facet of {name} crosses itself within the tolerance"))
+        .near(body.points[tangled.point as usize])
+        .hint("features or gaps near this place are about as large as the `tolerance`: choose a smaller or larger one")
+}
+
+/// Cells by their outlines.
+#[derive(Default)]
+struct Collector {
+    drafts: Vec<Draft>,
+    by_outline: NumberMap<Vec<u32>, u32>,
+}
+
+impl Collector {
+    /// Adds a cell, or its owners to the cell that has the same outline.
+    fn add(&mut self, draft: Draft, body: &Body) {
+        let (key, is_reversed) = outline_key(&draft.loops);
+        let next = self.drafts.len() as u32;
+        let slot = *self.by_outline.entry(key).or_insert(next);
+        if slot == next {
+            self.drafts.push(draft);
+            return;
+        }
+        let kept = &mut self.drafts[slot as usize];
+        let is_flipped = outline_key(&kept.loops).1 != is_reversed;
+        kept.owners.extend(draft.owners.iter().map(|o| (o.0, o.1 != is_flipped)));
+        if draft.chains != kept.chains || draft.lone != kept.lone {
+            kept.chains.extend(draft.chains);
+            kept.chains.sort_unstable();
+            kept.chains.dedup();
+            kept.lone.extend(draft.lone);
+            kept.lone.sort_unstable();
+            kept.lone.dedup();
+            kept.lone.retain(|v| kept.chains.iter().all(|c| !c.contains(v)));
+            let loops: Vec<&[u32]> = kept.loops.iter().map(Vec::as_slice).collect();
+            if let Ok(triangles) = polygon::triangulate(&loops, &kept.chains, &kept.lone, &body.points) {
+                kept.triangles = triangles;
+            }
+        }
+    }
+}
+
+/// Loops from their lowest points towards the lower neighbour, holes sorted; and whether that turns the outer loop round.
+fn outline_key(loops: &[Vec<u32>]) -> (Vec<u32>, bool) {
+    let mut turned: Vec<(bool, Vec<u32>)> = loops
+        .iter()
+        .map(|walk| {
+            let n = walk.len();
+            let first = (0..n).min_by_key(|&k| walk[k]).unwrap_or(0);
+            let is_reversed = walk[(first + n - 1) % n] < walk[(first + 1) % n];
+            let step = if is_reversed { n - 1 } else { 1 };
+            (is_reversed, (0..n).map(|k| walk[(first + k * step) % n]).collect())
+        })
+        .collect();
+    let is_reversed = turned.first().is_some_and(|t| t.0);
+    if let [_, holes @ ..] = &mut turned[..] {
+        holes.sort_by(|a, b| a.1.cmp(&b.1));
+    }
+    let key = turned.into_iter().flat_map(|t| t.1.into_iter().chain([u32::MAX])).collect();
+    (key, is_reversed)
+}
+
+fn finish(body: &Body, drafts: Vec<Draft>, tolerance: f64) -> Conforming {
+    let mut out = Conforming { points: body.points.clone(), tolerance, ..Conforming::default() };
+    out.cells.reserve(drafts.len());
+    for mut draft in drafts {
+        draft.owners.sort_unstable();
+        let turn = draft.owners.first().is_some_and(|o| o.1);
+        if turn {
+            draft.loops.iter_mut().for_each(|w| w.reverse());
+            draft.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        }
+        let owner = |&(f, is_flipped): &(u32, bool)| {
+            let leaf = body.leaf(f);
+            Owner { leaf, facet: f - body.first_facet[leaf.0 as usize], is_flipped: is_flipped != turn }
+        };
+        out.cell_of_triangle.resize(out.triangles.len() + draft.triangles.len(), out.cells.len() as u32);
+        out.triangles.extend(&draft.triangles);
+        out.cells.push(Cell { owners: draft.owners.iter().map(owner).collect(), loops: draft.loops });
+    }
+    out
+}

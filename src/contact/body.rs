@@ -1,0 +1,91 @@
+//! The leaves under one numbering of facets, over welded points.
+
+use super::weld::{self, PointGrid};
+use crate::diag::Outcome;
+use crate::geom::Vec3;
+use crate::geom::aabb::Aabb;
+use crate::ids::LeafId;
+use crate::primitive::solid::Solid;
+
+/// Smallest tolerance in units in the last place of the largest coordinate: below this, the vertices that a primitive computes
+/// for one place need not agree.
+const SMALLEST_TOLERANCE_ULPS: f64 = 4.0;
+
+/// How leaves are called in messages.
+pub(super) type Names<'a> = &'a dyn Fn(LeafId) -> String;
+
+/// All leaves: facet f of leaf l has the number `first_facet[l] + f`.
+pub(super) struct Body<'a> {
+    pub solids: &'a [Solid],
+    /// Tolerance of every leaf, absolute.
+    pub tolerances: Vec<f64>,
+    /// First facet of every leaf, and the number of all.
+    pub first_facet: Vec<u32>,
+    pub leaf_of_facet: Vec<u32>,
+    /// First entry of every leaf in `point_of_vertex`.
+    pub first_vertex: Vec<u32>,
+    /// For every vertex of every leaf, its point.
+    pub point_of_vertex: Vec<u32>,
+    pub points: Vec<Vec3>,
+    pub grid: PointGrid,
+}
+
+impl<'a> Body<'a> {
+    /// Numbers facets and welds vertices.
+    pub fn new(solids: &'a [Solid], tolerance: f64, own: &[Option<f64>], names: Names) -> Outcome<Self> {
+        let reach = solids.iter().flat_map(|s| &s.vertices).fold(0.0, |m: f64, v| m.max(v.point.amax()));
+        let floor = SMALLEST_TOLERANCE_ULPS * f64::EPSILON * reach.max(f64::MIN_POSITIVE);
+        let tolerances: Vec<f64> =
+            (0..solids.len()).map(|k| own.get(k).copied().flatten().unwrap_or(tolerance).max(floor)).collect();
+        let (mut first_facet, mut first_vertex) = (vec![0], vec![0]);
+        let mut leaf_of_facet = Vec::with_capacity(solids.iter().map(|s| s.facets.len()).sum());
+        for (k, solid) in solids.iter().enumerate() {
+            leaf_of_facet.resize(leaf_of_facet.len() + solid.facets.len(), k as u32);
+            first_facet.push(leaf_of_facet.len() as u32);
+            first_vertex.push(first_vertex[k] + solid.vertices.len() as u32);
+        }
+        let welded = weld::weld(solids, &tolerances, names)?;
+        Ok(Self {
+            solids,
+            tolerances,
+            first_facet,
+            leaf_of_facet,
+            first_vertex,
+            point_of_vertex: welded.point_of_vertex,
+            points: welded.points,
+            grid: welded.grid,
+        })
+    }
+
+    /// The tolerance between two leaves: the coarser of theirs.
+    pub fn tolerance(&self, a: u32, b: u32) -> f64 {
+        self.tolerances[a as usize].max(self.tolerances[b as usize])
+    }
+    /// Number of facets of all leaves.
+    pub fn facet_count(&self) -> usize {
+        self.leaf_of_facet.len()
+    }
+    /// The loops of a facet as vertices of its leaf.
+    pub fn own_loops(&self, facet: u32) -> &'a [Vec<u32>] {
+        let leaf = self.leaf_of_facet[facet as usize];
+        &self.solids[leaf as usize].facets[(facet - self.first_facet[leaf as usize]) as usize].loops
+    }
+    /// The point of each vertex of the facet's leaf.
+    pub fn points_of_leaf(&self, leaf: u32) -> &[u32] {
+        &self.point_of_vertex[self.first_vertex[leaf as usize] as usize..self.first_vertex[leaf as usize + 1] as usize]
+    }
+    /// The loops of a facet as points.
+    pub fn loops(&self, facet: u32) -> Vec<Vec<u32>> {
+        let ids = self.points_of_leaf(self.leaf_of_facet[facet as usize]);
+        self.own_loops(facet).iter().map(|w| w.iter().map(|&v| ids[v as usize]).collect()).collect()
+    }
+    /// The box of a facet before the weld.
+    pub fn bounds(&self, facet: u32) -> Aabb {
+        let vertices = &self.solids[self.leaf_of_facet[facet as usize] as usize].vertices;
+        Aabb::around(self.own_loops(facet).first().into_iter().flatten().map(|&v| &vertices[v as usize].point))
+    }
+    /// Leaf of a facet as an id.
+    pub fn leaf(&self, facet: u32) -> LeafId {
+        LeafId(self.leaf_of_facet[facet as usize])
+    }
+}

@@ -1,0 +1,289 @@
+//! A sheet to its cells: one constrained triangulation over all its edges, whose pieces are the cells.
+
+use super::outline::{Outline, sides};
+use super::sheets::Sheet;
+use crate::geom::Vec3;
+use crate::geom::polygon;
+use crate::geom::predicates::Projection;
+use spade::handles::{DirectedEdgeHandle, FixedFaceHandle, FixedVertexHandle, InnerTag};
+use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
+
+type Cdt = ConstrainedDelaunayTriangulation<Point2<f64>>;
+type HalfEdge<'a> = DirectedEdgeHandle<'a, Point2<f64>, (), spade::CdtEdge<()>, ()>;
+
+/// A cell before it is known which other sheets have it too.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Draft {
+    /// Facets (of the whole scene) and whether they look the other way.
+    pub owners: Vec<(u32, bool)>,
+    /// Outer loop first, counter-clockwise, then holes.
+    pub loops: Vec<Vec<u32>>,
+    /// Edges inside that divide nothing.
+    pub chains: Vec<[u32; 2]>,
+    /// Points inside without edges.
+    pub lone: Vec<u32>,
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// Edges of a sheet that cross although nothing was found to touch there, at this point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tangled {
+    pub point: u32,
+}
+
+/// The cell of a facet on which nothing lies.
+pub(super) fn plain(facet: u32, loops: Vec<Vec<u32>>, points: &[Vec3]) -> Result<Draft, Tangled> {
+    let first = loops.first().and_then(|w| w.first()).copied().unwrap_or(0);
+    let slices: Vec<&[u32]> = loops.iter().map(Vec::as_slice).collect();
+    match polygon::triangulate(&slices, &[], &[], points) {
+        Ok(triangles) => Ok(Draft { owners: vec![(facet, false)], loops, triangles, ..Draft::default() }),
+        Err(_) => Err(Tangled { point: first }),
+    }
+}
+
+/// The cells of a sheet, counter-clockwise about the normal of its reference facet. O(n log n) in its edges, plus the owners.
+pub(super) fn trace(sheet: &Sheet, outlines: &[Outline], points: &[Vec3]) -> Result<Vec<Draft>, Tangled> {
+    let reference = &outlines[sheet.reference as usize];
+    let borders = borders(sheet, outlines);
+    let mut edges: Vec<[u32; 2]> = borders.iter().map(|b| b.ends).chain(sheet.segments.iter().copied()).collect();
+    edges.sort_unstable();
+    edges.dedup();
+    let mut vertices: Vec<u32> = edges.iter().flatten().chain(&sheet.lone).copied().collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    let cdt = triangulate(&vertices, &edges, reference.projection, points)?;
+    let pieces = Pieces::new(&cdt);
+    let labels = label(&cdt, &pieces, &borders, &vertices);
+    let mut drafts: Vec<Draft> = labels
+        .into_iter()
+        .map(|owners| Draft { owners: owners.into_iter().map(|m| owner(m, reference, outlines)).collect(), ..Draft::default() })
+        .collect();
+    let name = |v: FixedVertexHandle| vertices[v.index()];
+    for face in cdt.inner_faces() {
+        let piece = pieces.of[face.fix().index()] as usize;
+        if !drafts[piece].owners.is_empty() {
+            drafts[piece].triangles.push(face.vertices().map(|v| name(v.fix())));
+        }
+    }
+    pieces.loops(&cdt, &mut drafts, &name);
+    pieces.inner(&cdt, &mut drafts, &name);
+    drafts.retain(|d| !d.owners.is_empty());
+    for draft in &mut drafts {
+        draft.loops = in_order(std::mem::take(&mut draft.loops), reference.projection, points);
+    }
+    Ok(drafts)
+}
+
+fn owner(member: u32, reference: &Outline, outlines: &[Outline]) -> (u32, bool) {
+    let outline = &outlines[member as usize];
+    (outline.facet, outline.normal.dot(&reference.normal) < 0.0)
+}
+
+/// An edge of a member, lower point first.
+struct Border {
+    ends: [u32; 2],
+    member: u32,
+    /// Whether the member lies left of it, seen from above the sheet.
+    is_left: bool,
+}
+
+fn borders(sheet: &Sheet, outlines: &[Outline]) -> Vec<Border> {
+    let mut borders = Vec::new();
+    for &member in &sheet.members {
+        let outline = &outlines[member as usize];
+        let is_flipped = outline.normal.dot(&outlines[sheet.reference as usize].normal) < 0.0;
+        borders.extend(sides(&outline.loops).map(|[a, b]| Border {
+            ends: [a.min(b), a.max(b)],
+            member,
+            is_left: (a < b) != is_flipped,
+        }));
+    }
+    borders.sort_unstable_by_key(|b| (b.ends, b.member));
+    borders
+}
+
+/// The triangulation, whose vertices are numbered as in `vertices`.
+fn triangulate(vertices: &[u32], edges: &[[u32; 2]], projection: Projection, points: &[Vec3]) -> Result<Cdt, Tangled> {
+    // Flush what spade would refuse as too small; such coordinates are far below the tolerance.
+    let tidy = |x: f64| if x.abs() < spade::MIN_ALLOWED_VALUE { 0.0 } else { x };
+    let positions =
+        vertices.iter().map(|&v| projection.apply(&points[v as usize])).map(|p| Point2::new(tidy(p[0]), tidy(p[1])));
+    let slot = |v: u32| vertices.binary_search(&v).unwrap_or(0);
+    let constraints: Vec<[usize; 2]> = edges.iter().map(|e| e.map(slot)).collect();
+    let mut conflict = None;
+    let cdt = Cdt::try_bulk_load_cdt(positions.collect(), constraints, |e| conflict = conflict.or(Some(e[0])))
+        .map_err(|_| Tangled { point: vertices[0] })?;
+    // A constraint through a vertex would have been cut there.
+    if let Some(k) = conflict {
+        return Err(Tangled { point: vertices[k] });
+    }
+    if cdt.num_vertices() != vertices.len() || cdt.num_constraints() != edges.len() {
+        let is_edge = |a: u32, b: u32| edges.binary_search(&[a.min(b), a.max(b)]).is_ok();
+        let stray = cdt.undirected_edges().filter(|e| e.is_constraint_edge()).find_map(|e| {
+            let [a, b] = e.vertices().map(|v| vertices.get(v.fix().index()).copied().unwrap_or(0));
+            (!is_edge(a, b)).then_some(a)
+        });
+        return Err(Tangled { point: stray.unwrap_or(vertices[0]) });
+    }
+    Ok(cdt)
+}
+
+/// Triangles by the cell that they are in; 0 is the outside.
+struct Pieces {
+    of: Vec<u32>,
+    count: usize,
+}
+
+impl Pieces {
+    fn new(cdt: &Cdt) -> Self {
+        let mut pieces = Self { of: vec![u32::MAX; cdt.num_all_faces()], count: 1 };
+        pieces.of[cdt.outer_face().index()] = 0;
+        // The outside continues over hull edges that belong to nobody.
+        let hull = cdt.convex_hull().map(|e| if e.is_outer_edge() { e.rev() } else { e });
+        let open: Vec<_> = hull.filter(|e| !e.is_constraint_edge()).filter_map(|e| e.face().as_inner()).collect();
+        for face in open {
+            pieces.flood(cdt, face.fix(), 0);
+        }
+        for face in cdt.inner_faces() {
+            if pieces.flood(cdt, face.fix(), pieces.count as u32) {
+                pieces.count += 1;
+            }
+        }
+        pieces
+    }
+    /// Numbers everything that is reached from a face without crossing a constraint; false if it has a number.
+    fn flood(&mut self, cdt: &Cdt, seed: FixedFaceHandle<InnerTag>, number: u32) -> bool {
+        if self.of[seed.index()] != u32::MAX {
+            return false;
+        }
+        self.of[seed.index()] = number;
+        let mut stack = vec![seed];
+        while let Some(face) = stack.pop() {
+            for e in cdt.face(face).adjacent_edges().iter().filter(|e| !e.is_constraint_edge()) {
+                if let Some(next) = e.rev().face().as_inner()
+                    && self.of[next.index()] == u32::MAX
+                {
+                    self.of[next.index()] = number;
+                    stack.push(next.fix());
+                }
+            }
+        }
+        true
+    }
+    fn left(&self, e: &HalfEdge) -> u32 {
+        self.of[e.face().index()]
+    }
+    fn is_border(&self, e: &HalfEdge) -> bool {
+        self.left(e) != self.left(&e.rev())
+    }
+
+    /// Boundary walks of all pieces, each piece to the left.
+    fn loops(&self, cdt: &Cdt, drafts: &mut [Draft], name: &impl Fn(FixedVertexHandle) -> u32) {
+        let mut is_done = vec![false; cdt.num_directed_edges()];
+        for start in cdt.directed_edges() {
+            if is_done[start.fix().index()] || !self.is_border(&start) || drafts[self.left(&start) as usize].owners.is_empty() {
+                continue;
+            }
+            let (mut walk, mut e) = (Vec::new(), start);
+            while !is_done[e.fix().index()] {
+                is_done[e.fix().index()] = true;
+                walk.push(name(e.from().fix()));
+                e = e.next();
+                while !self.is_border(&e) {
+                    e = e.rev().next();
+                }
+            }
+            split_at_repeats(walk, &mut drafts[self.left(&start) as usize].loops);
+        }
+    }
+
+    /// Edges and points inside pieces.
+    fn inner(&self, cdt: &Cdt, drafts: &mut [Draft], name: &impl Fn(FixedVertexHandle) -> u32) {
+        for e in cdt.undirected_edges().filter(|e| e.is_constraint_edge()).map(|e| e.as_directed()) {
+            let draft = &mut drafts[self.left(&e) as usize];
+            if !self.is_border(&e) && !draft.owners.is_empty() {
+                let [a, b] = [name(e.from().fix()), name(e.to().fix())];
+                draft.chains.push([a.min(b), a.max(b)]);
+            }
+        }
+        for v in cdt.vertices().filter(|v| v.out_edges().all(|e| !e.is_constraint_edge())) {
+            if let Some(e) = v.out_edge() {
+                let draft = &mut drafts[self.left(&e) as usize];
+                if !draft.owners.is_empty() {
+                    draft.lone.push(name(v.fix()));
+                }
+            }
+        }
+    }
+}
+
+/// The members that cover each piece: crossing a border of a member from its right to its left enters it.
+fn label(cdt: &Cdt, pieces: &Pieces, borders: &[Border], vertices: &[u32]) -> Vec<Vec<u32>> {
+    let mut doors: Vec<Vec<u32>> = vec![Vec::new(); pieces.count];
+    for e in cdt.directed_edges().filter(|e| pieces.is_border(e)) {
+        doors[pieces.left(&e) as usize].push(e.fix().index() as u32);
+    }
+    let mut labels: Vec<Option<Vec<u32>>> = vec![None; pieces.count];
+    labels[0] = Some(Vec::new());
+    let mut queue = vec![0usize];
+    let edges: Vec<HalfEdge> = cdt.directed_edges().collect();
+    while let Some(piece) = queue.pop() {
+        for &door in &doors[piece] {
+            let e = edges[door as usize];
+            let next = pieces.left(&e.rev()) as usize;
+            if labels[next].is_some() {
+                continue;
+            }
+            let mut label = labels[piece].clone().unwrap_or_default();
+            let [a, b] = [e.from(), e.to()].map(|v| vertices[v.fix().index()]);
+            let key = [a.min(b), a.max(b)];
+            let first = borders.partition_point(|x| x.ends < key);
+            for border in borders[first..].iter().take_while(|x| x.ends == key) {
+                // The next piece lies right of a-b.
+                let enters = border.is_left != (a < b);
+                match label.binary_search(&border.member) {
+                    Err(at) if enters => label.insert(at, border.member),
+                    Ok(at) if !enters => drop(label.remove(at)),
+                    _ => {}
+                }
+            }
+            labels[next] = Some(label);
+            queue.push(next);
+        }
+    }
+    labels.into_iter().map(Option::unwrap_or_default).collect()
+}
+
+/// Cuts a closed walk into simple loops at the points that it visits again.
+fn split_at_repeats(walk: Vec<u32>, loops: &mut Vec<Vec<u32>>) {
+    let mut path: Vec<u32> = Vec::with_capacity(walk.len());
+    let mut position = std::collections::BTreeMap::new();
+    for v in walk {
+        if let Some(&at) = position.get(&v) {
+            let cut: Vec<u32> = path.drain(at..).collect();
+            for u in &cut {
+                position.remove(u);
+            }
+            loops.push(cut);
+        }
+        position.insert(v, path.len());
+        path.push(v);
+    }
+    loops.push(path);
+}
+
+/// Outer loop, which has the largest area, first.
+fn in_order(mut loops: Vec<Vec<u32>>, projection: Projection, points: &[Vec3]) -> Vec<Vec<u32>> {
+    if loops.len() > 1 {
+        let area = |walk: &[u32]| {
+            let origin = projection.apply(&points[walk[0] as usize]);
+            let at = |v: u32| {
+                let p = projection.apply(&points[v as usize]);
+                [p[0] - origin[0], p[1] - origin[1]]
+            };
+            (1..walk.len()).map(|k| (at(walk[k - 1]), at(walk[k]))).map(|(p, q)| p[0] * q[1] - p[1] * q[0]).sum::<f64>()
+        };
+        loops.sort_by(|a, b| area(b).total_cmp(&area(a)));
+    }
+    loops
+}

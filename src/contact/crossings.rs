@@ -1,0 +1,215 @@
+//! Contacts between edges: end on edge, edge across edge, edge along edge.
+
+use super::body::{Body, Names};
+use super::candidates::PARALLEL_FROM;
+use super::edges::EdgeSet;
+use crate::diag::{Diagnostic, Outcome};
+use crate::geom::Vec3;
+use crate::geom::bvh::Bvh;
+use rayon::prelude::*;
+
+/// Products of edge counts above which the edges of one facet go into a box tree.
+const TREE_FROM: usize = 1024;
+/// Rounds in which points inserted into one edge may reach the next. Every round carries a point over one more edge, and a
+/// point is on few edges; more means a chain of nearly parallel edges that creeps beyond the tolerance.
+const MAX_ROUNDS: usize = 16;
+
+/// Relative error of a cross product of two differences, generously.
+const NORMAL_ERROR: f64 = 16.0 * f64::EPSILON;
+
+/// Two edges within the tolerance.
+struct Meeting {
+    edges: [u32; 2],
+    tolerance: f64,
+    /// For each edge, the parameters between which it is within the tolerance of the other, and somewhat more.
+    windows: [[f64; 2]; 2],
+    touch: Touch,
+}
+
+enum Touch {
+    /// Ends on the other edge: (edge 0 or 1 that receives, parameter, point).
+    Ends(Vec<(usize, f64, u32)>),
+    /// Both cross inside, at this place on the first.
+    Across(Vec3),
+}
+
+/// Gives all edges of different leaves that come within the tolerance common points, up to a fixpoint.
+pub(super) fn connect(body: &mut Body, set: &mut EdgeSet, pairs: &[[u32; 2]], names: Names) -> Outcome<()> {
+    let meetings = meetings(body, set, pairs);
+    for meeting in &meetings {
+        if let Touch::Ends(ends) = &meeting.touch {
+            for &(k, s, point) in ends {
+                set.insert(meeting.edges[k], s, point);
+            }
+        }
+    }
+    for meeting in &meetings {
+        if let Touch::Across(x) = meeting.touch {
+            cross(body, set, meeting, x);
+        }
+    }
+    set.sort();
+    for _ in 0..MAX_ROUNDS {
+        let search = |m: &Meeting| carried(body, set, m);
+        let found: Vec<(u32, f64, u32)> = if meetings.len() >= PARALLEL_FROM {
+            meetings.par_iter().flat_map_iter(search).collect()
+        } else {
+            meetings.iter().flat_map(search).collect()
+        };
+        let count = found.into_iter().filter(|&(edge, s, point)| set.insert(edge, s, point)).count();
+        if count == 0 {
+            return Ok(());
+        }
+        set.sort();
+    }
+    let leaves = meetings.first().map_or(vec![], |m| m.edges.map(|e| body_name(set, e, names)).to_vec());
+    Err(vec![
+        Diagnostic::error("contact-unresolved", format!("contacts spread without end, beginning at {}", leaves.join(" and ")))
+            .hint("edges lie nearly along each other at about the tolerance: choose another `tolerance`"),
+    ])
+}
+
+fn body_name(set: &EdgeSet, edge: u32, names: Names) -> String {
+    set.leaves(edge).first().map_or(String::new(), |&l| names(crate::ids::LeafId(l)))
+}
+
+fn meetings(body: &Body, set: &EdgeSet, pairs: &[[u32; 2]]) -> Vec<Meeting> {
+    let search = |chunk: &[[u32; 2]]| {
+        let mut found = Vec::new();
+        chunk.iter().for_each(|&pair| meetings_of_pair(body, set, pair, &mut found));
+        found
+    };
+    if pairs.len() >= PARALLEL_FROM {
+        let lists: Vec<Vec<Meeting>> = pairs.par_chunks(pairs.len().div_ceil(256)).map(search).collect();
+        lists.into_iter().flatten().collect()
+    } else {
+        search(pairs)
+    }
+}
+
+fn meetings_of_pair(body: &Body, set: &EdgeSet, [f, g]: [u32; 2], found: &mut Vec<Meeting>) {
+    let tolerance = body.tolerance(body.leaf_of_facet[f as usize], body.leaf_of_facet[g as usize]);
+    let (mine, yours) = (set.own.of(f), set.own.of(g));
+    let mut test = |a: u32, b: u32| {
+        if a != b
+            && let Some(m) = meet(body, set, [a, b], tolerance)
+        {
+            found.push(m);
+        }
+    };
+    if mine.len() * yours.len() < TREE_FROM {
+        for &a in mine {
+            let own = set.bounds(a, &body.points).inflated(tolerance);
+            yours.iter().filter(|&&b| own.overlaps(&set.bounds(b, &body.points))).for_each(|&b| test(a, b));
+        }
+        return;
+    }
+    let tree = Bvh::new(yours.iter().map(|&b| set.bounds(b, &body.points)).collect());
+    for &a in mine {
+        let mut near = Vec::new();
+        tree.overlapping(&set.bounds(a, &body.points).inflated(tolerance), |k| near.push(yours[k as usize]));
+        near.sort_unstable();
+        near.into_iter().for_each(|b| test(a, b));
+    }
+}
+
+/// Parameter of the point of the line through `p` nearest to `x`, and the distance from the line.
+pub(super) fn onto_line(p: &[Vec3; 2], x: &Vec3) -> (f64, f64) {
+    let d = p[1] - p[0];
+    let s = (x - p[0]).dot(&d) / d.norm_squared();
+    // From the nearer end, so that long edges lose no digits.
+    let from = if s > 0.5 { p[1] } else { p[0] };
+    (s, (x - from).cross(&d).norm() / d.norm())
+}
+
+/// Parameter at which `x` lies on the inside of segment `p`, if it does within the tolerance. Next to an end that is itself
+/// just beyond the tolerance, a new point would be a feature below it.
+fn inside_of(p: &[Vec3; 2], x: &Vec3, tolerance: f64) -> Option<f64> {
+    let (s, distance) = onto_line(p, x);
+    let is_on = distance <= tolerance && s > 0.0 && s < 1.0 && p.iter().all(|c| (c - x).norm() > tolerance);
+    is_on.then_some(s)
+}
+
+/// How two edges meet within the tolerance, if they do other than in a common end.
+fn meet(body: &Body, set: &EdgeSet, edges: [u32; 2], tolerance: f64) -> Option<Meeting> {
+    let ids = edges.map(|e| set.edges[e as usize].ends);
+    let [p, q] = edges.map(|e| set.ends(e, &body.points));
+    let (d, e, between) = (p[1] - p[0], q[1] - q[0], q[0] - p[0]);
+    let normal = d.cross(&e);
+    let (area, sides) = (normal.norm(), d.norm() * e.norm());
+    // Cheapest rejection: their lines stay apart. The second term is the rounding error of the normal, which decides when they
+    // are nearly parallel.
+    if between.dot(&normal).abs() > tolerance * area + NORMAL_ERROR * between.norm() * sides {
+        return None;
+    }
+    if set.leaves(edges[0]).iter().any(|l| set.leaves(edges[1]).contains(l)) {
+        return None;
+    }
+    let width = 2.0 * tolerance * (1.0 + sides / area.max(f64::MIN_POSITIVE));
+    let window = |line: &[Vec3; 2], x: &Vec3| {
+        let (at, w) = (onto_line(line, x).0, width / (line[1] - line[0]).norm());
+        [at - w, at + w]
+    };
+    let mut ends = Vec::new();
+    for (receiver, line) in [(0, &p), (1, &q)] {
+        for &v in ids[1 - receiver].iter().filter(|v| !ids[receiver].contains(v)) {
+            if let Some(s) = inside_of(line, &body.points[v as usize], tolerance) {
+                ends.push((receiver, s, v));
+            }
+        }
+    }
+    if let Some(end) = ends.first() {
+        let x = body.points[end.2 as usize];
+        return Some(Meeting { edges, tolerance, windows: [window(&p, &x), window(&q, &x)], touch: Touch::Ends(ends) });
+    }
+    // Two straight edges with a common end do not cross elsewhere.
+    if area == 0.0 || ids[0].iter().any(|v| ids[1].contains(v)) {
+        return None;
+    }
+    let x = p[0] + d * (between.cross(&e).dot(&normal) / (area * area));
+    inside_of(&p, &x, tolerance)?;
+    inside_of(&q, &x, tolerance)?;
+    Some(Meeting { edges, tolerance, windows: [window(&p, &x), window(&q, &x)], touch: Touch::Across(x) })
+}
+
+/// Gives two crossing edges a common point: one that is there already within the tolerance, else a new one on the earlier edge.
+fn cross(body: &mut Body, set: &mut EdgeSet, meeting: &Meeting, x: Vec3) {
+    let [e, f] = meeting.edges;
+    let [p, q] = meeting.edges.map(|e| set.ends(e, &body.points));
+    let mut nearest: Option<(f64, u32)> = None;
+    body.grid.near(&x, meeting.tolerance, |entry, distance| {
+        let better = nearest.is_none_or(|(d, v)| (distance, entry.point) < (d, v));
+        let is_itself = body.points[entry.point as usize] == entry.position;
+        let fits = |line, edge| onto_line(line, &entry.position).1 <= meeting.tolerance && set.can_insert(edge, entry.point);
+        if better && is_itself && fits(&p, e) && fits(&q, f) {
+            nearest = Some((distance, entry.point));
+        }
+    });
+    let point = nearest.map_or(body.points.len() as u32, |n| n.1);
+    if nearest.is_none() {
+        body.points.push(x);
+        body.grid.add(x, point, meeting.tolerance);
+    }
+    let place = body.points[point as usize];
+    set.insert(e, onto_line(&p, &place).0, point);
+    set.insert(f, onto_line(&q, &place).0, point);
+}
+
+/// Points of one of two edges that belong on the other as well.
+fn carried(body: &Body, set: &EdgeSet, meeting: &Meeting) -> Vec<(u32, f64, u32)> {
+    let mut found = Vec::new();
+    for k in [0, 1] {
+        let (from, to) = (meeting.edges[k], meeting.edges[1 - k]);
+        let [lo, hi] = meeting.windows[k];
+        let inserted = &set.edges[from as usize].inserted;
+        let first = inserted.partition_point(|i| i.0 < lo);
+        let line = set.ends(to, &body.points);
+        for &(_, point) in inserted[first..].iter().take_while(|i| i.0 <= hi) {
+            let inside = inside_of(&line, &body.points[point as usize], meeting.tolerance);
+            if let Some(s) = inside.filter(|_| set.lacks(to, point)) {
+                found.push((to, s, point));
+            }
+        }
+    }
+    found
+}

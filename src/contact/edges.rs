@@ -1,0 +1,167 @@
+//! The edges of all facets near a contact, each with the points inserted into it.
+
+use super::body::Body;
+use super::weld::NumberMap;
+use crate::geom::Vec3;
+use crate::geom::aabb::Aabb;
+
+/// An edge of one or several leaves, from its lower to its higher point number.
+pub(super) struct Edge {
+    pub ends: [u32; 2],
+    /// Points on it by their parameter, ends excluded.
+    pub inserted: Vec<(f64, u32)>,
+}
+
+/// Where a point is in a leaf: a leaf may have a point only once.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Place {
+    Vertex,
+    Edge(u32),
+    Facet(u32),
+}
+
+/// A numbered list of lists in one allocation.
+#[derive(Default)]
+pub(super) struct Lists {
+    first: Vec<u32>,
+    items: Vec<u32>,
+}
+
+impl Lists {
+    /// `count` lists from pairs (list, item), sorted.
+    fn new(count: usize, pairs: &[(u32, u32)]) -> Self {
+        let mut first = vec![0; count + 1];
+        pairs.iter().for_each(|p| first[p.0 as usize + 1] += 1);
+        (0..count).for_each(|k| first[k + 1] += first[k]);
+        Self { first, items: pairs.iter().map(|p| p.1).collect() }
+    }
+    /// One list.
+    pub fn of(&self, list: u32) -> &[u32] {
+        &self.items[self.first[list as usize] as usize..self.first[list as usize + 1] as usize]
+    }
+}
+
+/// Edges of the active facets: those that are in a pair of candidates. An edge that comes near a facet of another leaf has
+/// only active facets, since the box of each contains the edge; so nothing is ever inserted into other facets.
+pub(super) struct EdgeSet {
+    pub edges: Vec<Edge>,
+    /// For every facet, whether it is active.
+    pub is_active: Vec<bool>,
+    /// For every facet, the edges for which it is the first in its leaf, so that a contact is looked for once.
+    pub own: Lists,
+    leaves: Lists,
+    number: NumberMap<(u32, u32), u32>,
+    places: NumberMap<(u32, u32), Place>,
+}
+
+impl EdgeSet {
+    /// The edges of the facets in `pairs`.
+    pub fn new(body: &Body, pairs: &[[u32; 2]]) -> Self {
+        let mut is_active = vec![false; body.facet_count()];
+        pairs.iter().flatten().for_each(|&f| is_active[f as usize] = true);
+        let active = is_active.iter().filter(|a| **a).count();
+        let mut set = Self {
+            edges: Vec::with_capacity(2 * active),
+            own: Lists::default(),
+            leaves: Lists::default(),
+            number: NumberMap::with_capacity_and_hasher(2 * active, Default::default()),
+            places: NumberMap::with_capacity_and_hasher(2 * active, Default::default()),
+            is_active,
+        };
+        let mut uses: Vec<(u32, u32, u32)> = Vec::with_capacity(4 * active);
+        for facet in (0..body.facet_count() as u32).filter(|&f| set.is_active[f as usize]) {
+            let leaf = body.leaf_of_facet[facet as usize];
+            let ids = body.points_of_leaf(leaf);
+            for walk in body.own_loops(facet) {
+                for (k, &v) in walk.iter().enumerate() {
+                    let (a, b) = (ids[v as usize], ids[walk[(k + 1) % walk.len()] as usize]);
+                    set.places.insert((a, leaf), Place::Vertex);
+                    let next = set.edges.len() as u32;
+                    let edge = *set.number.entry((a.min(b), a.max(b))).or_insert(next);
+                    if edge == next {
+                        set.edges.push(Edge { ends: [a.min(b), a.max(b)], inserted: Vec::new() });
+                    }
+                    uses.push((edge, leaf, facet));
+                }
+            }
+        }
+        uses.sort_unstable();
+        uses.dedup_by_key(|u| (u.0, u.1));
+        let by_edge: Vec<(u32, u32)> = uses.iter().map(|u| (u.0, u.1)).collect();
+        let mut by_facet: Vec<(u32, u32)> = uses.iter().map(|u| (u.2, u.0)).collect();
+        by_facet.sort_unstable();
+        set.leaves = Lists::new(set.edges.len(), &by_edge);
+        set.own = Lists::new(body.facet_count(), &by_facet);
+        set
+    }
+
+    /// Ends of an edge in space.
+    pub fn ends(&self, edge: u32, points: &[Vec3]) -> [Vec3; 2] {
+        self.edges[edge as usize].ends.map(|v| points[v as usize])
+    }
+    /// Box of an edge.
+    pub fn bounds(&self, edge: u32, points: &[Vec3]) -> Aabb {
+        Aabb::around(&self.ends(edge, points))
+    }
+    /// The leaves that have an edge.
+    pub fn leaves(&self, edge: u32) -> &[u32] {
+        self.leaves.of(edge)
+    }
+    /// Whether `point` may become a point of the edge: it is on it already, or nowhere in the edge's leaves.
+    pub fn can_insert(&self, edge: u32, point: u32) -> bool {
+        self.leaves(edge).iter().all(|&leaf| self.places.get(&(point, leaf)).is_none_or(|p| *p == Place::Edge(edge)))
+    }
+    /// Whether `point` is nowhere in the edge's leaves.
+    pub fn lacks(&self, edge: u32, point: u32) -> bool {
+        self.leaves(edge).iter().all(|&leaf| !self.places.contains_key(&(point, leaf)))
+    }
+    /// Puts `point` on the edge at parameter `s`, unless it is there; says whether it was put. Call [`Self::sort`] afterwards.
+    pub fn insert(&mut self, edge: u32, s: f64, point: u32) -> bool {
+        if !self.can_insert(edge, point) {
+            return false;
+        }
+        let mut is_new = false;
+        for k in 0..self.leaves(edge).len() {
+            let leaf = self.leaves(edge)[k];
+            is_new |= self.places.insert((point, leaf), Place::Edge(edge)).is_none();
+        }
+        if is_new {
+            self.edges[edge as usize].inserted.push((s, point));
+        }
+        is_new
+    }
+    /// Whether `point` is a vertex or on an edge of `leaf`.
+    pub fn is_elsewhere(&self, point: u32, leaf: u32) -> bool {
+        self.places.contains_key(&(point, leaf))
+    }
+    /// Puts `point` inside a facet of `leaf`; says whether it is there now.
+    pub fn put_into_facet(&mut self, facet: u32, leaf: u32, point: u32) -> bool {
+        *self.places.entry((point, leaf)).or_insert(Place::Facet(facet)) == Place::Facet(facet)
+    }
+    /// Brings inserted points into order along their edges.
+    pub fn sort(&mut self) {
+        for edge in &mut self.edges {
+            edge.inserted.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        }
+    }
+    /// All points of an edge with their parameters.
+    pub fn chain(&self, edge: u32) -> impl Iterator<Item = (f64, u32)> + '_ {
+        let Edge { ends, inserted } = &self.edges[edge as usize];
+        std::iter::once((0.0, ends[0])).chain(inserted.iter().copied()).chain(std::iter::once((1.0, ends[1])))
+    }
+    /// The loops of an active facet with everything inserted.
+    pub fn expand(&self, loops: &[Vec<u32>]) -> Vec<Vec<u32>> {
+        let expand = |walk: &Vec<u32>| {
+            let mut full = Vec::with_capacity(walk.len());
+            for (k, &a) in walk.iter().enumerate() {
+                full.push(a);
+                let b = walk[(k + 1) % walk.len()];
+                let Some(&edge) = self.number.get(&(a.min(b), a.max(b))) else { continue };
+                let inserted = self.edges[edge as usize].inserted.iter().map(|i| i.1);
+                if a < b { full.extend(inserted) } else { full.extend(inserted.rev()) }
+            }
+            full
+        };
+        loops.iter().map(expand).collect()
+    }
+}

@@ -1,0 +1,92 @@
+//! Facets near a contact as planar figures: plane, outline with everything inserted, and what lies on them.
+
+use super::body::Body;
+use super::edges::EdgeSet;
+use crate::geom::Vec3;
+use crate::geom::polygon::vector_area;
+use crate::geom::predicates::{Projection, orient2d};
+
+/// An active facet.
+pub(super) struct Outline {
+    pub facet: u32,
+    /// Unit normal, outwards.
+    pub normal: Vec3,
+    pub origin: Vec3,
+    pub area: f64,
+    pub projection: Projection,
+    /// Loops as points, with everything inserted into the edges.
+    pub loops: Vec<Vec<u32>>,
+    /// Edges of the loops, lower point first, sorted.
+    sides: Vec<[u32; 2]>,
+    /// Points of the loops, sorted.
+    corners: Vec<u32>,
+}
+
+impl Outline {
+    /// Of an active facet after all edges have been cut; the plane is that of the facet as it came.
+    pub fn new(body: &Body, set: &EdgeSet, facet: u32) -> Self {
+        let corners = body.loops(facet);
+        let loops = set.expand(&corners);
+        let vector = vector_area(corners.iter().map(Vec::as_slice), &body.points);
+        let area = vector.norm();
+        let normal = if area > 0.0 { vector / area } else { Vec3::zeros() };
+        let mut sides: Vec<[u32; 2]> = sides(&loops).map(|[a, b]| [a.min(b), a.max(b)]).collect();
+        sides.sort_unstable();
+        let mut sorted: Vec<u32> = loops.iter().flatten().copied().collect();
+        sorted.sort_unstable();
+        Self {
+            facet,
+            normal,
+            origin: corners.first().and_then(|w| w.first()).map_or(Vec3::zeros(), |&v| body.points[v as usize]),
+            area,
+            projection: Projection::along(&normal),
+            loops,
+            sides,
+            corners: sorted,
+        }
+    }
+    /// Signed distance from the plane.
+    pub fn height(&self, p: &Vec3) -> f64 {
+        (p - self.origin).dot(&self.normal)
+    }
+    /// Whether a point is one of the outline.
+    pub fn has_corner(&self, point: u32) -> bool {
+        self.corners.binary_search(&point).is_ok()
+    }
+    /// Whether two points are joined by an edge of the outline.
+    pub fn has_side(&self, [a, b]: [u32; 2]) -> bool {
+        self.sides.binary_search(&[a.min(b), a.max(b)]).is_ok()
+    }
+    /// Whether a place that is not on the outline lies inside it, seen along the projection.
+    pub fn encloses(&self, p: &Vec3, points: &[Vec3]) -> bool {
+        let flat = |v: u32| self.projection.apply(&points[v as usize]);
+        let q = self.projection.apply(p);
+        let mut is_inside = false;
+        for [a, b] in sides(&self.loops) {
+            let (a, b) = (flat(a), flat(b));
+            if (a[1] > q[1]) != (b[1] > q[1]) && (orient2d(a, b, q) > 0) == (b[1] > a[1]) {
+                is_inside = !is_inside;
+            }
+        }
+        is_inside
+    }
+    /// Whether all points of `other` lie within `tolerance` of the plane.
+    pub fn is_level_with(&self, other: &Self, tolerance: f64, points: &[Vec3]) -> bool {
+        other.loops.iter().flatten().all(|&v| self.height(&points[v as usize]).abs() <= tolerance)
+    }
+    /// Whether an edge of `other`, other than one of this outline, runs inside: of two facets in one plane without crossing
+    /// edges, that one overlaps the other.
+    pub fn is_entered_by(&self, other: &Self, points: &[Vec3]) -> bool {
+        sides(&other.loops).any(|side| {
+            !self.has_side(side) && {
+                let [a, b] = side.map(|v| points[v as usize]);
+                self.encloses(&((a + b) * 0.5), points)
+            }
+        })
+    }
+}
+
+/// Directed edges of loops.
+pub(super) fn sides(loops: &[Vec<u32>]) -> impl Iterator<Item = [u32; 2]> + '_ {
+    loops.iter().flat_map(|w| (0..w.len()).map(move |k| [w[k], w[(k + 1) % w.len()]]))
+}

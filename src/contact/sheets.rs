@@ -1,0 +1,235 @@
+//! Which facets lie in one sheet, and which edges and points of others lie on each.
+
+use super::body::{Body, Names};
+use super::candidates::PARALLEL_FROM;
+use super::edges::EdgeSet;
+use super::outline::Outline;
+use super::weld::{MAX_MESSAGES, chain};
+use crate::diag::{Diagnostic, Outcome};
+use rayon::prelude::*;
+
+/// Facets belong to one sheet if they lie within this part of the tolerance of its plane: two of them are then within the
+/// tolerance of each other.
+const SHEET_SHARE: f64 = 0.5;
+/// Heights above a facet, in tolerances, up to which a point that is on another facet tells of a chain.
+pub(super) const CHAIN_REACH: f64 = 2.0;
+
+/// Facets in one plane that overlap, with what else lies on them. Facets are given by their slots in `Sheets::outlines`.
+#[derive(Default)]
+pub(super) struct Sheet {
+    /// The members; the one whose plane counts is the largest.
+    pub members: Vec<u32>,
+    pub reference: u32,
+    /// Edges of other facets that run inside a member.
+    pub segments: Vec<[u32; 2]>,
+    /// Points of other facets that lie inside a member.
+    pub lone: Vec<u32>,
+}
+
+impl Sheet {
+    /// Whether it is one facet with nothing on it.
+    pub fn is_plain(&self) -> bool {
+        self.members.len() == 1 && self.segments.is_empty() && self.lone.is_empty()
+    }
+}
+
+/// All active facets.
+pub(super) struct Sheets {
+    /// Active facets in ascending order.
+    pub outlines: Vec<Outline>,
+    /// For every facet of the scene its slot in `outlines`, or `u32::MAX`.
+    pub slot: Vec<u32>,
+    /// Sheets in the order of their first members.
+    pub sheets: Vec<Sheet>,
+}
+
+/// Gathers the sheets. The edges must have been connected.
+pub(super) fn gather(body: &Body, set: &mut EdgeSet, pairs: &[[u32; 2]], names: Names) -> Outcome<Sheets> {
+    let active: Vec<u32> = (0..body.facet_count() as u32).filter(|&f| set.is_active[f as usize]).collect();
+    let mut slot = vec![u32::MAX; body.facet_count()];
+    active.iter().enumerate().for_each(|(k, &f)| slot[f as usize] = k as u32);
+    let outlines: Vec<Outline> = if active.len() >= PARALLEL_FROM {
+        active.par_iter().map(|&f| Outline::new(body, set, f)).collect()
+    } else {
+        active.iter().map(|&f| Outline::new(body, set, f)).collect()
+    };
+    let pairs: Vec<[u32; 2]> = pairs.iter().map(|p| p.map(|f| slot[f as usize])).collect();
+    let (mut sheets, sheet_of) = group(body, &outlines, &pairs);
+    let landed = landings(body, set, &outlines, &pairs, &sheet_of);
+    let mut near_misses = Vec::new();
+    for landing in &landed {
+        let outline = &outlines[landing.on as usize];
+        let leaf = body.leaf_of_facet[outline.facet as usize];
+        let sheet = &mut sheets[sheet_of[landing.on as usize] as usize];
+        match landing.what {
+            What::Point(p) if set.put_into_facet(outline.facet, leaf, p) => sheet.lone.push(p),
+            What::Point(_) => {}
+            What::NearMiss(p) => near_misses.push((p, landing.on)),
+            // Points come before the segments that they end.
+            What::Segment(ends) => {
+                if ends.iter().all(|&v| outline.has_corner(v) || set.put_into_facet(outline.facet, leaf, v)) {
+                    sheet.segments.push(ends);
+                }
+            }
+        }
+    }
+    let errors = chains(body, &outlines, &landed, &near_misses, names);
+    if errors.is_empty() { Ok(Sheets { outlines, slot, sheets }) } else { Err(errors) }
+}
+
+/// Sheets of level facets that overlap, and the sheet of each facet.
+fn group(body: &Body, outlines: &[Outline], pairs: &[[u32; 2]]) -> (Vec<Sheet>, Vec<u32>) {
+    let mut root: Vec<u32> = (0..outlines.len() as u32).collect();
+    fn find(root: &mut [u32], mut k: u32) -> u32 {
+        while root[k as usize] != k {
+            root[k as usize] = root[root[k as usize] as usize];
+            k = root[k as usize];
+        }
+        k
+    }
+    for &[f, g] in pairs {
+        let (i, j) = (find(&mut root, f), find(&mut root, g));
+        if i != j && are_overlapping(body, &outlines[f as usize], &outlines[g as usize]) {
+            root[i.max(j) as usize] = i.min(j);
+        }
+    }
+    let largest = |a: u32, b: u32| if outlines[b as usize].area > outlines[a as usize].area { b } else { a };
+    let mut reference: Vec<u32> = (0..outlines.len() as u32).collect();
+    for k in 0..outlines.len() as u32 {
+        let r = find(&mut root, k) as usize;
+        reference[r] = largest(reference[r], k);
+    }
+    // Facets that left the plane step by step are sheets of their own: their edges then count like those of any other.
+    let mut sheets: Vec<Sheet> = Vec::new();
+    let mut number = vec![u32::MAX; outlines.len()];
+    let mut sheet_of = Vec::with_capacity(outlines.len());
+    for (k, outline) in outlines.iter().enumerate() {
+        let r = find(&mut root, k as u32) as usize;
+        let main = reference[r];
+        let share = level(body, outline.facet, outlines[main as usize].facet);
+        let stays = outlines[main as usize].is_level_with(outline, share, &body.points);
+        if !stays || number[r] == u32::MAX {
+            if stays {
+                number[r] = sheets.len() as u32;
+            }
+            sheet_of.push(sheets.len() as u32);
+            let reference = if stays { main } else { k as u32 };
+            sheets.push(Sheet { members: vec![k as u32], reference, ..Sheet::default() });
+        } else {
+            sheet_of.push(number[r]);
+            sheets[number[r] as usize].members.push(k as u32);
+        }
+    }
+    (sheets, sheet_of)
+}
+
+fn level(body: &Body, f: u32, g: u32) -> f64 {
+    SHEET_SHARE * body.tolerance(body.leaf_of_facet[f as usize], body.leaf_of_facet[g as usize])
+}
+
+fn are_overlapping(body: &Body, f: &Outline, g: &Outline) -> bool {
+    let (large, small) = if f.area >= g.area { (f, g) } else { (g, f) };
+    large.is_level_with(small, level(body, f.facet, g.facet), &body.points)
+        && (large.is_entered_by(small, &body.points) || small.is_entered_by(large, &body.points))
+}
+
+/// Something of one facet that lies on another.
+struct Landing {
+    on: u32,
+    what: What,
+}
+
+#[derive(Clone, Copy)]
+enum What {
+    Point(u32),
+    Segment([u32; 2]),
+    /// A point beyond the tolerance, but near.
+    NearMiss(u32),
+}
+
+/// What lies on facets of other sheets, in the order of pairs.
+fn landings(body: &Body, set: &EdgeSet, outlines: &[Outline], pairs: &[[u32; 2]], sheet_of: &[u32]) -> Vec<Landing> {
+    let search = |chunk: &[[u32; 2]]| {
+        let mut found = Vec::new();
+        for &[f, g] in chunk.iter().filter(|[f, g]| sheet_of[*f as usize] != sheet_of[*g as usize]) {
+            land(body, set, &outlines[f as usize], &outlines[g as usize], g, &mut found);
+            land(body, set, &outlines[g as usize], &outlines[f as usize], f, &mut found);
+        }
+        found
+    };
+    if pairs.len() >= PARALLEL_FROM {
+        let lists: Vec<Vec<Landing>> = pairs.par_chunks(pairs.len().div_ceil(256)).map(search).collect();
+        lists.into_iter().flatten().collect()
+    } else {
+        search(pairs)
+    }
+}
+
+/// Edges of `from` on facet `onto`. An edge whose ends lie beyond the tolerance on different sides may still have a point on
+/// it in between, where it crosses a third one.
+fn land(body: &Body, set: &EdgeSet, from: &Outline, onto: &Outline, slot: u32, found: &mut Vec<Landing>) {
+    let leaf = body.leaf_of_facet[onto.facet as usize];
+    let tolerance = body.tolerance(body.leaf_of_facet[from.facet as usize], leaf);
+    let height = |v: u32| onto.height(&body.points[v as usize]);
+    for &edge in set.own.of(from.facet) {
+        let ends = set.edges[edge as usize].ends.map(height);
+        if ends.iter().all(|&h| h > CHAIN_REACH * tolerance) || ends.iter().all(|&h| h < -CHAIN_REACH * tolerance) {
+            continue;
+        }
+        let mut previous: Option<(u32, bool)> = None;
+        for (_, v) in set.chain(edge) {
+            let h = height(v).abs();
+            let is_corner = onto.has_corner(v);
+            let is_inside = !is_corner
+                && h <= CHAIN_REACH * tolerance
+                && !set.is_elsewhere(v, leaf)
+                && onto.encloses(&body.points[v as usize], &body.points);
+            if is_inside && h > tolerance {
+                found.push(Landing { on: slot, what: What::NearMiss(v) });
+            }
+            let is_on = is_corner || is_inside && h <= tolerance;
+            if is_inside && is_on {
+                found.push(Landing { on: slot, what: What::Point(v) });
+            }
+            if let (true, Some((u, was_inside))) = (is_on, previous)
+                && (was_inside || is_inside || is_chord(onto, [u, v], body))
+            {
+                found.push(Landing { on: slot, what: What::Segment([u.min(v), u.max(v)]) });
+            }
+            previous = is_on.then_some((v, is_inside));
+        }
+    }
+}
+
+/// Whether the segment between two points of the outline runs inside it.
+fn is_chord(outline: &Outline, ends: [u32; 2], body: &Body) -> bool {
+    let [a, b] = ends.map(|v| body.points[v as usize]);
+    !outline.has_side(ends) && outline.encloses(&((a + b) * 0.5), &body.points)
+}
+
+/// Points that lie on a facet which itself lies on another one there, from which they are too far.
+fn chains(body: &Body, outlines: &[Outline], landed: &[Landing], misses: &[(u32, u32)], names: Names) -> Vec<Diagnostic> {
+    if misses.is_empty() {
+        return Vec::new();
+    }
+    let mut on: Vec<(u32, u32)> =
+        landed.iter().filter_map(|l| if let What::Point(p) = l.what { Some((p, l.on)) } else { None }).collect();
+    on.sort_unstable();
+    let mut errors = Vec::new();
+    for &(point, far) in misses {
+        let place = body.points[point as usize];
+        let first = on.partition_point(|o| o.0 < point);
+        for &(_, near) in on[first..].iter().take_while(|o| o.0 == point) {
+            let (near, far) = (&outlines[near as usize], &outlines[far as usize]);
+            let foot = place - near.normal * near.height(&place);
+            let leaves = [near, far].map(|o| body.leaf_of_facet[o.facet as usize]);
+            if leaves[0] != leaves[1] && far.height(&foot).abs() <= body.tolerance(leaves[0], leaves[1]) {
+                errors.push(chain(leaves.map(|l| l as usize), &[place], names));
+            }
+        }
+        if errors.len() >= MAX_MESSAGES {
+            break;
+        }
+    }
+    errors
+}
