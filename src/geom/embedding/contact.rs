@@ -192,13 +192,16 @@ impl Segment<'_> {
         if seen.contains(&1) && seen.contains(&-1) {
             return None;
         }
-        let kind = match seen.iter().filter(|&&x| x == 0).count() {
-            0 => Kind::Penetration,
-            1 => Kind::EdgesCross,
-            _ => Kind::VertexOnEdge,
-        };
         let normal = (b - a).cross(&(c - a));
-        Some((kind, between(p, q, normal.dot(&(p - a)), normal.dot(&(q - a)))))
+        let point = || between(p, q, normal.dot(&(p - a)), normal.dot(&(q - a)));
+        match seen.map(|x| x == 0) {
+            [false, false, false] => Some((Kind::Penetration, point())),
+            // Through the corner that two edges share.
+            [true, true, false] => Some((Kind::VertexOnEdge, *b)),
+            [false, true, true] => Some((Kind::VertexOnEdge, *c)),
+            [true, false, true] => Some((Kind::VertexOnEdge, *a)),
+            _ => Some((Kind::EdgesCross, point())),
+        }
     }
 }
 

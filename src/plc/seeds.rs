@@ -1,0 +1,93 @@
+//! A point strictly inside every bounded region.
+//!
+//! From the middle of a large facet triangle, half way along the normal to what lies opposite: in a shell of any thickness that
+//! is the middle of the wall, in a ring it cannot be the empty centre. Of a few such points the one with the longest way is
+//! taken, and exact ray parity against the region's own facets proves that it is inside.
+
+use super::cast::Caster;
+use crate::brep::complex::Complex;
+use crate::diag::Diagnostic;
+use crate::geom::Vec3;
+use crate::ids::{Id, IdVec, RegionId};
+
+/// Facet triangles tried per region before the best point is taken. The largest ones lie in the widest places; more of them
+/// cost time and gain little.
+const CANDIDATES: usize = 16;
+
+/// All triangles of the complex with the regions on their sides.
+pub struct Sides<'a> {
+    /// Positions.
+    pub points: &'a [Vec3],
+    /// Corners, counter-clockwise seen from the front.
+    pub triangles: &'a [[u32; 3]],
+    /// Regions in front and behind.
+    pub sides: &'a [[RegionId; 2]],
+}
+
+/// For each bounded region a point strictly inside; `None` for the outside.
+///
+/// # Errors
+/// An internal error for a region in which no point was found: its facets do not enclose it.
+pub fn find(complex: &Complex, all: &Sides) -> Result<IdVec<RegionId, Option<Vec3>>, Vec<Diagnostic>> {
+    let caster = Caster::new(all.points, all.triangles);
+    let mut triangles_of: Vec<Vec<(u32, bool)>> = vec![Vec::new(); complex.regions.len()];
+    for (t, [front, back]) in all.sides.iter().enumerate() {
+        if front != back {
+            triangles_of[front.index()].push((t as u32, true));
+            triangles_of[back.index()].push((t as u32, false));
+        }
+    }
+    let mut faults = Vec::new();
+    let seeds = complex
+        .regions
+        .enumerate()
+        .map(|(region, _)| {
+            if region.index() == 0 {
+                return None;
+            }
+            let seed = seed_of(region, std::mem::take(&mut triangles_of[region.index()]), all, &caster);
+            if seed.is_none() {
+                faults.push(Diagnostic::internal("no-seed", format!("no point was found inside region {}", region.0)));
+            }
+            seed
+        })
+        .collect();
+    if faults.is_empty() { Ok(seeds) } else { Err(faults) }
+}
+
+fn seed_of(region: RegionId, mut triangles: Vec<(u32, bool)>, all: &Sides, caster: &Caster) -> Option<Vec3> {
+    let normal = |t: u32| {
+        let [a, b, c] = caster.corners(t);
+        (b - a).cross(&(c - a))
+    };
+    triangles.sort_by_cached_key(|&(t, _)| (std::cmp::Reverse(normal(t).norm_squared().to_bits()), t));
+    let mut best: Option<(f64, Vec3)> = None;
+    for (k, &(t, in_front)) in triangles.iter().enumerate() {
+        if k >= CANDIDATES && best.is_some() {
+            break;
+        }
+        let inwards = normal(t).normalize() * if in_front { 1.0 } else { -1.0 };
+        let [a, b, c] = caster.corners(t);
+        let center = (a + b + c) / 3.0;
+        if let Some(way) = caster.distance_to_next(&center, &inwards, t)
+            && best.is_none_or(|(w, _)| way > w)
+        {
+            let point = center + inwards * (0.5 * way);
+            if is_inside(region, &point, all, caster) {
+                best = Some((way, point));
+            }
+        }
+    }
+    best.map(|b| b.1)
+}
+
+/// Whether a ray from the point to the outside crosses the region's boundary an odd number of times; exact.
+fn is_inside(region: RegionId, point: &Vec3, all: &Sides, caster: &Caster) -> bool {
+    caster.cast(point).is_ok_and(|crossings| {
+        let of_region = |t: u32| {
+            let [front, back] = all.sides[t as usize];
+            (front == region) != (back == region)
+        };
+        crossings.iter().filter(|c| of_region(c.triangle)).count() % 2 == 1
+    })
+}
