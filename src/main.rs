@@ -1,3 +1,50 @@
 //! The `gsm` command.
 
-fn main() {}
+use clap::Parser;
+use gsm::cli::{Cli, Command};
+use gsm::commands::session::{Exit, Session};
+use gsm::commands::{build, check};
+use std::io::{self, BufWriter, ErrorKind, Write};
+use std::panic::{self, AssertUnwindSafe};
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        // Help and version are no errors and go to standard output; where that is closed, nobody wants them.
+        Err(e) => {
+            drop(e.print());
+            return ExitCode::from(u8::try_from(e.exit_code()).unwrap_or(Exit::Usage as u8));
+        }
+    };
+    panic::set_hook(Box::new(|info| eprintln!("{}", report_panic(info))));
+    let outcome = panic::catch_unwind(AssertUnwindSafe(|| run(&cli)));
+    let exit = match outcome {
+        Ok(Ok(exit)) => exit,
+        Ok(Err(e)) if e.kind() == ErrorKind::BrokenPipe => Exit::Good,
+        Ok(Err(e)) => {
+            eprintln!("gsm: cannot write to standard output: {e}");
+            Exit::Wrong
+        }
+        Err(_) => Exit::Internal,
+    };
+    ExitCode::from(exit as u8)
+}
+
+fn run(cli: &Cli) -> io::Result<Exit> {
+    let mut out = BufWriter::new(io::stdout().lock());
+    let exit = match &cli.command {
+        Command::Build(args) => build::run(args, &mut Session { out: &mut out, common: &args.common }),
+        Command::Check(args) => check::run(args, &mut Session { out: &mut out, common: &args.common }),
+    }?;
+    out.flush()?;
+    Ok(exit)
+}
+
+fn report_panic(info: &panic::PanicHookInfo) -> String {
+    format!(
+        "gsm: internal error: {info}\nnothing was written; please report this with the scene, gsm {} and the arguments {:?}",
+        env!("CARGO_PKG_VERSION"),
+        std::env::args().skip(1).collect::<Vec<_>>()
+    )
+}

@@ -1,0 +1,62 @@
+//! `gsm build`: from a scene to .poly and manifest.
+
+use super::session::{Exit, Session};
+use crate::cli::BuildArgs;
+use crate::diag::Diagnostic;
+use crate::io::atomic::{self, NewFile};
+use crate::io::{manifest, poly};
+use crate::pipeline::{self, Model};
+use crate::report::timing::Timings;
+use crate::report::{Report, text};
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Builds a scene and writes both files, or complains and writes none.
+///
+/// # Errors
+/// Those of standard output.
+pub fn run(args: &BuildArgs, session: &mut Session) -> io::Result<Exit> {
+    session.set_threads();
+    let timings = Timings { on_begin: session.progress(), ..Timings::default() };
+    let mut model = match pipeline::run(&args.scene, &args.set, timings) {
+        Ok(model) => model,
+        Err(faults) => return complain(faults, args, session, ""),
+    };
+    let path = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.poly", model.scene.name)));
+    if let Err(fault) = write(&mut model, &path) {
+        let unit = model.scene.unit.clone();
+        return complain([std::mem::take(&mut model.warnings), vec![fault]].concat(), args, session, &unit);
+    }
+    let report = Report::new(&model, Some(path.display().to_string()));
+    if session.common.json {
+        session.json(&report)?;
+    } else {
+        session.complain(&model.warnings, &args.scene, &model.scene.unit);
+        if !session.common.quiet {
+            session.out.write_all(text::render(&report).as_bytes())?;
+        }
+    }
+    Ok(Exit::Good)
+}
+
+fn write(model: &mut Model, path: &Path) -> Result<(), Diagnostic> {
+    let Model { plc, manifest, timings, .. } = model;
+    timings.measure("write", || {
+        let poly = poly::to_text(plc, Some(manifest));
+        let json = manifest.to_json()?;
+        let file = |path: PathBuf, content| NewFile { path, content };
+        atomic::write_all(&[
+            file(path.to_path_buf(), poly.as_bytes()),
+            file(manifest::path_beside(path), json.as_bytes()),
+        ])
+    })
+}
+
+fn complain(faults: Vec<Diagnostic>, args: &BuildArgs, session: &mut Session, unit: &str) -> io::Result<Exit> {
+    if session.common.json {
+        session.json(&serde_json::json!({ "errors": faults }))?;
+    } else {
+        session.complain(&faults, &args.scene, unit);
+    }
+    Ok(Exit::of(&faults))
+}

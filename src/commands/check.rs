@@ -1,0 +1,98 @@
+//! `gsm check`: is a scene's result, or a .poly, a valid PLC?
+
+use super::session::{self, Exit, Session};
+use crate::cli::CheckArgs;
+use crate::diag::{Diagnostic, Severity};
+use crate::io::manifest::{Counts, Manifest};
+use crate::io::poly;
+use crate::pipeline;
+use crate::plc::check;
+use crate::report::diagnostics::{self, Style};
+use crate::report::timing::Timings;
+use serde::Serialize;
+use std::io::{self, IsTerminal};
+use std::path::Path;
+
+/// What was found.
+#[derive(Serialize)]
+struct Verdict {
+    path: String,
+    is_valid: bool,
+    counts: Option<Counts>,
+    findings: Vec<Diagnostic>,
+}
+
+/// Checks a scene (builds it, writes nothing) or a .poly or .smesh file; what it finds goes to standard output.
+///
+/// # Errors
+/// Those of standard output.
+pub fn run(args: &CheckArgs, session: &mut Session) -> io::Result<Exit> {
+    session.set_threads();
+    let is_plc = args.path.extension().is_some_and(|e| e == "poly" || e == "smesh");
+    let (counts, unit, findings) = if is_plc { check_file(&args.path) } else { check_scene(args, session) };
+    let exit = Exit::of(&findings);
+    let verdict = Verdict { path: args.path.display().to_string(), is_valid: exit == Exit::Good, counts, findings };
+    if session.common.json {
+        session.json(&verdict)?;
+    } else {
+        session.out.write_all(render(&verdict, &args.path, &unit, session.common.quiet).as_bytes())?;
+    }
+    Ok(exit)
+}
+
+type Checked = (Option<Counts>, String, Vec<Diagnostic>);
+
+fn check_file(path: &Path) -> Checked {
+    let mut faults = Vec::new();
+    let manifest = Manifest::beside(path).unwrap_or_else(|fault| {
+        faults.push(fault);
+        None
+    });
+    let unit = manifest.as_ref().map_or(String::new(), |m| m.unit.clone());
+    match poly::read(path) {
+        Ok(plc) => {
+            faults.extend(check::check(&plc, manifest.as_ref()));
+            (Some(Counts::of(&plc)), unit, faults)
+        }
+        Err(fault) => {
+            faults.push(fault);
+            (None, unit, faults)
+        }
+    }
+}
+
+fn check_scene(args: &CheckArgs, session: &Session) -> Checked {
+    let timings = Timings { on_begin: session.progress(), ..Timings::default() };
+    match pipeline::run(&args.path, &args.set, timings) {
+        Ok(model) => {
+            let mut findings = model.warnings;
+            findings.extend(check::check_complex(&model.complex, &model.plc, &model.manifest));
+            // The file itself must be valid too, with the triangulation that a reader makes.
+            if Exit::of(&findings) == Exit::Good {
+                findings.extend(check::check(&model.plc, Some(&model.manifest)));
+            }
+            (Some(Counts::of(&model.plc)), model.scene.unit, findings)
+        }
+        Err(faults) => (None, String::new(), faults),
+    }
+}
+
+fn render(verdict: &Verdict, path: &Path, unit: &str, is_quiet: bool) -> String {
+    let text = session::source_for(&verdict.findings, path);
+    let is_coloured = io::stdout().is_terminal() && session::is_colour_wanted();
+    let style = Style { file: &verdict.path, text: text.as_deref(), unit, is_coloured };
+    let mut out: String = verdict.findings.iter().map(|d| diagnostics::render(d, &style)).collect();
+    if is_quiet {
+        return out;
+    }
+    let errors = verdict.findings.iter().filter(|d| d.severity > Severity::Warning).count();
+    out += &match (errors, verdict.counts) {
+        (0, Some(c)) => format!(
+            "{}: valid: {} vertices, {} facets, {} regions, {} voids\n",
+            verdict.path, c.vertices, c.facets, c.seeds, c.holes
+        ),
+        (1, _) => format!("{}: 1 finding\n", verdict.path),
+        (n, _) => format!("{}: {n} findings\n", verdict.path),
+    };
+    out
+}

@@ -1,0 +1,5 @@
+//! One command each, no geometry: read arguments, run the pipeline, write what was asked.
+
+pub mod build;
+pub mod check;
+pub mod session;

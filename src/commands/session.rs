@@ -1,0 +1,110 @@
+//! What all commands share: where output goes, how diagnostics look, exit codes.
+
+use crate::cli::Common;
+use crate::diag::{Diagnostic, Severity};
+use crate::report::diagnostics::{self, Style};
+use std::io::{self, IsTerminal, Write};
+use std::path::Path;
+use std::sync::OnceLock;
+use std::time::{Duration, Instant};
+
+/// Longest scene text that is read again to show a line of it.
+const MAX_SHOWN_TEXT: u64 = 16 << 20;
+/// Runs shorter than this show no progress: a flicker tells nobody anything.
+const QUIET_TIME: Duration = Duration::from_millis(400);
+
+/// How a command ended; the process's exit code.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[repr(u8)]
+pub enum Exit {
+    /// Good.
+    Good = 0,
+    /// The model is wrong.
+    Wrong = 1,
+    /// The arguments are wrong.
+    Usage = 2,
+    /// A quality threshold was missed.
+    Quality = 3,
+    /// An outside program failed.
+    Outside = 4,
+    /// A fault of gsm itself.
+    Internal = 70,
+}
+
+impl Exit {
+    /// The exit that the worst diagnostic asks for.
+    pub fn of(diagnostics: &[Diagnostic]) -> Self {
+        match diagnostics.iter().map(|d| d.severity).max() {
+            Some(Severity::Internal) => Self::Internal,
+            Some(Severity::Error) => Self::Wrong,
+            _ => Self::Good,
+        }
+    }
+}
+
+/// Standard output and what decides how it is used.
+pub struct Session<'a> {
+    /// For what was asked.
+    pub out: &'a mut dyn Write,
+    /// Options of every command.
+    pub common: &'a Common,
+}
+
+impl Session<'_> {
+    /// Sets the number of threads, before the first parallel stage.
+    pub fn set_threads(&self) {
+        if let Some(n) = self.common.threads {
+            // It fails only if the pool exists already (several commands in one test process): then it stays as it is.
+            drop(rayon::ThreadPoolBuilder::new().num_threads(n.get()).build_global());
+        }
+    }
+
+    /// Where the pipeline tells the stage that begins.
+    pub fn progress(&self) -> Option<fn(&'static str)> {
+        (!self.common.quiet && !self.common.json && io::stderr().is_terminal()).then_some(show_progress as fn(&'static str))
+    }
+
+    /// Writes diagnostics to standard error; `file` is the one that spans refer to.
+    pub fn complain(&self, diagnostics: &[Diagnostic], file: &Path, unit: &str) {
+        let text = source_for(diagnostics, file);
+        let is_coloured = io::stderr().is_terminal() && is_colour_wanted();
+        let name = file.display().to_string();
+        let style = Style { file: &name, text: text.as_deref(), unit, is_coloured };
+        let mut err = io::stderr().lock();
+        for d in diagnostics.iter().filter(|d| !self.common.quiet || d.severity > Severity::Warning) {
+            // Nobody is left to tell if standard error is closed.
+            drop(err.write_all(diagnostics::render(d, &style).as_bytes()));
+        }
+    }
+
+    /// Writes a value as indented JSON.
+    ///
+    /// # Errors
+    /// Those of standard output.
+    pub fn json(&mut self, value: &impl serde::Serialize) -> io::Result<()> {
+        serde_json::to_writer_pretty(&mut *self.out, value)?;
+        self.out.write_all(b"\n")
+    }
+}
+
+/// Colours are wanted unless the user says no (no-color.org).
+pub fn is_colour_wanted() -> bool {
+    std::env::var_os("NO_COLOR").is_none_or(|v| v.is_empty())
+}
+
+/// The text of the file, if a diagnostic points into it.
+pub fn source_for(diagnostics: &[Diagnostic], file: &Path) -> Option<String> {
+    diagnostics.iter().find(|d| d.span.is_some())?;
+    let is_small = std::fs::metadata(file).is_ok_and(|m| m.is_file() && m.len() <= MAX_SHOWN_TEXT);
+    if is_small { std::fs::read_to_string(file).ok() } else { None }
+}
+
+fn show_progress(stage: &'static str) {
+    static START: OnceLock<Instant> = OnceLock::new();
+    if START.get_or_init(Instant::now).elapsed() > QUIET_TIME {
+        let mut err = io::stderr().lock();
+        // Overwritten by the next one; erased by whatever is written next.
+        drop(write!(err, "\r\x1b[K{stage} ...\r"));
+        drop(err.flush());
+    }
+}

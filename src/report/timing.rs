@@ -1,0 +1,58 @@
+//! How long each stage took: wall time and processor time of all threads.
+
+use serde::Serialize;
+use std::time::Instant;
+
+/// One stage.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
+pub struct StageTime {
+    /// Its name, as in the pipeline's figure.
+    pub stage: &'static str,
+    /// Elapsed seconds.
+    pub wall: f64,
+    /// Processor seconds of all threads; null where the system does not tell.
+    pub cpu: Option<f64>,
+}
+
+/// The stages so far, in order.
+#[derive(Clone, Debug, Default, Serialize)]
+#[serde(transparent)]
+pub struct Timings {
+    /// In the order in which they ended.
+    pub stages: Vec<StageTime>,
+    /// Called with the name of each stage that begins: where progress is shown.
+    #[serde(skip)]
+    pub on_begin: Option<fn(&'static str)>,
+}
+
+impl Timings {
+    /// Runs a stage and notes its times.
+    pub fn measure<T>(&mut self, stage: &'static str, work: impl FnOnce() -> T) -> T {
+        if let Some(begin) = self.on_begin {
+            begin(stage);
+        }
+        let (wall, cpu) = (Instant::now(), processor_time());
+        let result = work();
+        let cpu = processor_time().zip(cpu).map(|(after, before)| after - before);
+        self.stages.push(StageTime { stage, wall: wall.elapsed().as_secs_f64(), cpu });
+        result
+    }
+
+    /// The sum over all stages.
+    pub fn total(&self) -> StageTime {
+        let cpu = self.stages.iter().map(|s| s.cpu).sum();
+        StageTime { stage: "total", wall: self.stages.iter().map(|s| s.wall).sum(), cpu }
+    }
+}
+
+/// Seconds of processor time of this process, ended threads included.
+#[cfg(unix)]
+fn processor_time() -> Option<f64> {
+    let t = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+    Some(t.tv_sec as f64 + t.tv_nsec as f64 * 1e-9)
+}
+
+#[cfg(not(unix))]
+fn processor_time() -> Option<f64> {
+    None
+}
