@@ -16,12 +16,15 @@
 pub mod arrangement;
 pub mod brep;
 pub mod classify;
+pub mod cli;
+pub mod commands;
 pub mod contact;
 pub mod diag;
 pub mod evaluate;
 pub mod geom;
 pub mod ids;
 pub mod io;
+pub mod pipeline;
 pub mod plc;
 pub mod primitive;
 pub mod report;

@@ -95,6 +95,8 @@ impl Sample {
             unit: "mm".to_owned(),
             hash: "0".repeat(64),
             tolerance: 1e-9,
+            remesh: Default::default(),
+            mesh: Default::default(),
             overlap: Policy::Allow,
             gaps: Policy::Allow,
             leaves: IdVec::new(),

@@ -1,0 +1,49 @@
+//! The pipeline, stage by stage: scene file to everything that a command writes or says.
+
+use crate::brep::complex::Complex;
+use crate::diag::{Diagnostic, Outcome};
+use crate::evaluate;
+use crate::io::manifest::Manifest;
+use crate::plc::measure::{self, Measures};
+use crate::plc::{self, Plc};
+use crate::primitive;
+use crate::report::timing::Timings;
+use crate::scene::{self, Limits, model::Scene};
+use std::path::Path;
+
+/// A built scene.
+pub struct Model {
+    /// The scene.
+    pub scene: Scene,
+    /// The evaluated model.
+    pub complex: Complex,
+    /// Its volumes and areas.
+    pub measures: Measures,
+    /// What the .poly holds.
+    pub plc: Plc,
+    /// What its numbers mean.
+    pub manifest: Manifest,
+    /// What may not be meant.
+    pub warnings: Vec<Diagnostic>,
+    /// How long the stages took.
+    pub timings: Timings,
+}
+
+/// Builds the scene at `path` with parameters set from outside; `timings` is empty and is carried through.
+///
+/// # Errors
+/// All faults that the first failing stage found, after the warnings of the stages before.
+pub fn run(path: &Path, overrides: &[(String, String)], mut timings: Timings) -> Outcome<Model> {
+    let loaded = timings.measure("scene", || scene::load(path, overrides, &Limits::default()))?;
+    let (scene, warnings) = (loaded.scene, loaded.warnings);
+    build(scene, warnings.clone(), timings).map_err(|faults| [warnings, faults].concat())
+}
+
+fn build(scene: Scene, warnings: Vec<Diagnostic>, mut timings: Timings) -> Outcome<Model> {
+    let solids = timings.measure("primitive", || primitive::build(&scene))?;
+    let complex = timings.measure("evaluate", || evaluate::evaluate(&scene, &solids))?.complex;
+    let plc = timings.measure("plc", || plc::build::build(&complex, &scene.parts))?;
+    let measures = timings.measure("measure", || measure::measure(&complex));
+    let manifest = Manifest::new(&scene, &complex, &measures, &plc);
+    Ok(Model { scene, complex, measures, plc, manifest, warnings, timings })
+}
