@@ -4,6 +4,7 @@ use super::PlcFacet;
 use crate::geom::Vec3;
 use crate::geom::polygon::{PolygonError, triangulate, vector_area};
 use crate::geom::predicates::{Projection, orient2d};
+use crate::geom::union_find::UnionFind;
 use spade::{ConstrainedDelaunayTriangulation, Point2, PositionInTriangulation, Triangulation};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -110,7 +111,7 @@ pub fn points_inside(polygon: &[u32], points: &[Vec3]) -> Result<Vec<Vec3>, Poly
 
 /// The piece of each triangle: triangles are in one piece if they are joined over edges.
 fn pieces(triangles: &[[u32; 3]]) -> Vec<u32> {
-    let mut union = super::volumes::UnionFind::new(triangles.len());
+    let mut union = UnionFind::new(triangles.len());
     let mut over: BTreeMap<[u32; 2], u32> = BTreeMap::new();
     for (t, w) in triangles.iter().enumerate() {
         for k in 0..3 {
@@ -119,7 +120,7 @@ fn pieces(triangles: &[[u32; 3]]) -> Vec<u32> {
             union.join(first, t as u32);
         }
     }
-    (0..triangles.len() as u32).map(|t| union.root(t)).collect()
+    (0..triangles.len() as u32).map(|t| union.find(t)).collect()
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use super::cast::{CastError, Caster};
 use crate::geom::Vec3;
 use crate::geom::embedding::projection_of;
 use crate::geom::predicates::{orient2d, orient3d};
+use crate::geom::union_find::UnionFind;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
@@ -103,16 +104,10 @@ fn radial_order([a, b]: [u32; 2], fan: &[([u32; 2], u32)], points: &[Vec3], tria
 /// Numbers each shell and adds up what is known of it; then joins inner shells to their volumes.
 fn assemble(volumes: &mut Volumes, mut join: Joiner, points: &[Vec3], triangles: &[[u32; 3]], caster: &Caster) {
     let sides = 2 * triangles.len() as u32;
-    let mut number = BTreeMap::new();
-    let shell_of: Vec<u32> = (0..sides)
-        .map(|s| {
-            let next = number.len() as u32;
-            *number.entry(join.sides.root(s)).or_insert(next)
-        })
-        .collect();
-    let mut content = vec![0.0f64; number.len()];
-    let mut largest = vec![(-1.0f64, 0u32); number.len()];
-    let mut characteristic = vec![0i64; number.len()];
+    let (shell_of, shells) = std::mem::replace(&mut join.sides, UnionFind::new(0)).number();
+    let mut content = vec![0.0f64; shells];
+    let mut largest = vec![(-1.0f64, 0u32); shells];
+    let mut characteristic = vec![0i64; shells];
     let origin = points.first().copied().unwrap_or_default();
     for (s, &shell) in shell_of.iter().enumerate() {
         let [a, b, c] = triangles[s / 2].map(|v| points[v as usize] - origin);
@@ -129,14 +124,14 @@ fn assemble(volumes: &mut Volumes, mut join: Joiner, points: &[Vec3], triangles:
         characteristic[shell_of[s as usize] as usize] -= 1;
     }
     for corner in 0..3 * sides {
-        if join.corners.root(corner) == corner {
+        if join.corners.find(corner) == corner {
             characteristic[shell_of[(corner / 3) as usize] as usize] += 1;
             volumes.vertex_uses += 1;
         }
     }
     // Shells and, in the last slot, the outside.
-    let outside = number.len() as u32;
-    let mut same = UnionFind::new(number.len() + 1);
+    let outside = shells as u32;
+    let mut same = UnionFind::new(shells + 1);
     for shell in 0..outside {
         if content[shell as usize] <= 0.0 {
             let done = join_along_line(largest[shell as usize].1, outside, &shell_of, &mut same, caster);
@@ -145,10 +140,10 @@ fn assemble(volumes: &mut Volumes, mut join: Joiner, points: &[Vec3], triangles:
             }
         }
     }
-    let mut volume = BTreeMap::from([(same.root(outside), 0)]);
+    let mut volume = BTreeMap::from([(same.find(outside), 0)]);
     for shell in 0..outside {
         let next = volume.len() as u32;
-        let volume = *volume.entry(same.root(shell)).or_insert(next);
+        let volume = *volume.entry(same.find(shell)).or_insert(next);
         let k = shell as usize;
         let is_outer = content[k] > 0.0;
         volumes.shells.push(Shell { triangle: largest[k].1, volume, is_outer, characteristic: characteristic[k] });
@@ -225,31 +220,5 @@ impl<'a> Joiner<'a> {
             };
             self.corners.join(corner(x), corner(y));
         }
-    }
-}
-
-/// Disjoint sets of 0..n; the root of a set is its smallest member.
-pub struct UnionFind {
-    parent: Vec<u32>,
-}
-
-impl UnionFind {
-    /// n sets of one.
-    pub fn new(n: usize) -> Self {
-        Self { parent: (0..n as u32).collect() }
-    }
-    /// The smallest member of the set of `x`.
-    pub fn root(&mut self, mut x: u32) -> u32 {
-        while self.parent[x as usize] != x {
-            let up = self.parent[self.parent[x as usize] as usize];
-            self.parent[x as usize] = up;
-            x = up;
-        }
-        x
-    }
-    /// Makes one set of two.
-    pub fn join(&mut self, x: u32, y: u32) {
-        let (x, y) = (self.root(x), self.root(y));
-        self.parent[x.max(y) as usize] = x.min(y);
     }
 }

@@ -2,7 +2,8 @@
 
 use super::Subject;
 use crate::diag::Diagnostic;
-use crate::plc::volumes::{UnionFind, Volumes};
+use crate::geom::union_find::UnionFind;
+use crate::plc::volumes::Volumes;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Facets named in one finding.
@@ -27,7 +28,7 @@ pub fn open_edges(subject: &Subject, volumes: &Volumes) -> Vec<Diagnostic> {
     volumes.open_edges.iter().for_each(|&[a, b]| chains.join(a, b));
     let mut members: BTreeMap<u32, Vec<[u32; 2]>> = BTreeMap::new();
     for &edge in &volumes.open_edges {
-        members.entry(chains.root(edge[0])).or_default().push(edge);
+        members.entry(chains.find(edge[0])).or_default().push(edge);
     }
     let describe = |edges: &Vec<[u32; 2]>| {
         let facets: BTreeSet<u32> = edges.iter().filter_map(|e| facets_at.get(e).copied()).collect();

@@ -7,7 +7,8 @@
 
 use super::Subject;
 use crate::diag::Diagnostic;
-use crate::plc::volumes::{UnionFind, Volumes};
+use crate::geom::union_find::UnionFind;
+use crate::plc::volumes::Volumes;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A finding if the count does not balance.
@@ -49,5 +50,5 @@ fn boundary_pieces(polygons: &[Vec<u32>]) -> i64 {
             union.join(k as u32, *first.entry(v).or_insert(k as u32));
         }
     }
-    (0..polygons.len() as u32).filter(|&k| union.root(k) == k).count() as i64
+    (0..polygons.len() as u32).filter(|&k| union.find(k) == k).count() as i64
 }
