@@ -12,8 +12,8 @@ use crate::geom::{Affine, Vec3};
 use crate::ids::{IdVec, LeafId};
 use std::collections::HashMap;
 
-/// Memory of one facet of a leaf through all stages, in bytes: measured on finely divided scenes, rounded up.
-const BYTES_PER_FACET: f64 = 2000.0;
+/// Memory of one facet of a leaf through all stages, in bytes: vertices, edges, uses and labels, a few copies of each.
+const BYTES_PER_FACET: f64 = 600.0;
 
 /// What holds for the leaves of a part unless they say otherwise.
 #[derive(Clone, Copy)]
@@ -120,12 +120,13 @@ impl<'l> Planter<'l> {
         if let Some(&id) = same {
             return Ok(id);
         }
-        self.bytes += BYTES_PER_FACET * facet_estimate(&leaf);
-        if self.bytes > self.limits.memory {
+        let bytes = self.bytes + BYTES_PER_FACET * facet_estimate(&leaf);
+        if bytes > self.limits.memory {
             let message = format!("this discretization would need more than {:.1} GB of memory", self.limits.memory / 1e9);
             let hint = "use fewer segments, or a larger max_angle or max_chord_error";
             return Err(Diagnostic::error("too-many-segments", message).at(leaf.span).hint(hint));
         }
+        self.bytes = bytes;
         let id = self.leaves.push(leaf);
         self.known.entry(key).or_default().push(id);
         Ok(id)

@@ -19,6 +19,7 @@ mod memory;
 pub mod model;
 mod motion;
 mod params;
+mod parts;
 mod place;
 mod polyline;
 mod primitives;
@@ -46,8 +47,6 @@ use std::io::Read as _;
 use std::path::Path;
 use units::Unit;
 
-mod parts;
-
 /// Stack of the thread that reads a scene: what the deepest allowed nesting takes, several times.
 const STACK: usize = 256 << 20;
 
@@ -58,7 +57,7 @@ pub struct Limits {
     pub file_size: u64,
     /// Solids and operations, counting all copies (default one million).
     pub nodes: usize,
-    /// Estimated memory in bytes of the divided solids (default 4e9).
+    /// Estimated memory in bytes of the divided solids (default 8e9).
     pub memory: f64,
     /// Whether imports may lie outside of the scene's folder (default no).
     pub is_outside_allowed: bool,
@@ -66,7 +65,7 @@ pub struct Limits {
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { file_size: 16 << 20, nodes: 1_000_000, memory: 4e9, is_outside_allowed: false }
+        Self { file_size: 16 << 20, nodes: 1_000_000, memory: 8e9, is_outside_allowed: false }
     }
 }
 
@@ -101,7 +100,9 @@ fn read_text(path: &Path, limits: &Limits) -> Result<String, Diagnostic> {
     if bytes.len() as u64 > limits.file_size {
         return Err(fault("scene-too-large", &format!("the file has more than {} bytes", limits.file_size)));
     }
-    String::from_utf8(bytes).map_err(|_| fault("syntax", "the file is not UTF-8 text"))
+    let text = String::from_utf8(bytes).map_err(|_| fault("syntax", "the file is not UTF-8 text"))?;
+    // Some editors begin a file with a byte order mark.
+    Ok(text.strip_prefix('\u{feff}').map_or_else(|| text.clone(), str::to_owned))
 }
 
 /// Reads the scene `text`; relative files are beside `folder`. Gives the scene and warnings.

@@ -131,7 +131,7 @@ mod tests {
 
     #[test]
     fn right_angles_are_exact() {
-        for k in -8..=8 {
+        for k in -8i32..=8 {
             let (s, c) = sin_cos(90.0 * f64::from(k));
             assert_eq!((s, c), [(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)][k.rem_euclid(4) as usize]);
         }

@@ -49,10 +49,9 @@ impl<'a> Reader<'a> {
                 && !["", "pi"].contains(&name.as_str());
             if !is_name {
                 self.fail::<()>(key, "bad-name", format!("`{name}` cannot be the name of a parameter"));
-            } else if self.params.entries.contains_key(&name) {
+            } else if self.params.entries.insert(name.clone(), Param { text: Text::Scene(value), state: State::New }).is_some()
+            {
                 self.fail::<()>(key, "duplicate-name", format!("the parameter `{name}` is given twice"));
-            } else {
-                self.params.entries.insert(name, Param { text: Text::Scene(value), state: State::New });
             }
         }
         for (name, value) in overrides {

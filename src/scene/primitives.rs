@@ -32,14 +32,14 @@ impl<'a> Reader<'a> {
         let division = self.maybe(common.discretization, Self::division);
         let is_triangulated = self.maybe(common.triangulated, |r, raw| r.read(raw));
         let span = self.span(owner.raw);
-        Some(Rc::new(Tree::Leaf(LocalLeaf {
+        Some(Rc::new(Tree::Leaf(Box::new(LocalLeaf {
             primitive: primitive?,
             division: division?,
             is_triangulated: is_triangulated?,
             tolerance,
             name: name?,
             span,
-        })))
+        }))))
     }
 
     /// Two opposite corners, from `min` and `max`, or `size` with `center` or with the smallest corner `at` (default: origin).

@@ -52,10 +52,8 @@ impl<'r, 'a> SolidReader<'r, 'a> {
         let entries = solids.0.and_then(|raw| reader.read::<Entries>(raw));
         for (key, value) in entries.map_or(Vec::new(), |e| e.0) {
             let Some(name) = reader.name("name of a solid", key) else { continue };
-            if library.entries.contains_key(&name) {
+            if library.entries.insert(name.clone(), (value, State::New)).is_some() {
                 reader.fail::<()>(key, "duplicate-name", format!("the solid `{name}` is given twice"));
-            } else {
-                library.entries.insert(name, (value, State::New));
             }
         }
         Self { reader, library, folder, is_free, depth: 0 }

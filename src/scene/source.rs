@@ -7,7 +7,6 @@
 use super::fault;
 use crate::diag::{Diagnostic, Span};
 use ron::extensions::Extensions;
-use ron::value::RawValue;
 use serde::{Deserialize, Deserializer};
 
 /// Nesting that `ron` follows. A Boolean inside a Boolean counts two, so 250 of them fit; stacks are sized for it.
@@ -15,13 +14,27 @@ const MAX_DEPTH: usize = 512;
 /// Bytes read in all, so that deep nesting of a long text cannot take minutes (2^28 bytes take a few seconds).
 const MAX_WORK: usize = 1 << 28;
 
+/// The name by which `ron` is asked for the text of a value that it has parsed. This is what `ron::value::RawValue` does; that type
+/// parses the text once more, and there allows a depth of 128 only.
+const RAW_VALUE: &str = "$ron::private::RawValue";
+
 /// One RON value as it stands in the text.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Raw<'a>(pub &'a str);
 
 impl<'de: 'a, 'a> Deserialize<'de> for Raw<'a> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        <&'a RawValue>::deserialize(deserializer).map(|raw| Raw(without_leading_blanks(raw.get_ron())))
+        struct Visitor;
+        impl<'de> serde::de::Visitor<'de> for Visitor {
+            type Value = Raw<'de>;
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("a value")
+            }
+            fn visit_borrowed_str<E>(self, text: &'de str) -> Result<Self::Value, E> {
+                Ok(Raw(without_leading_blanks(text)))
+            }
+        }
+        deserializer.deserialize_newtype_struct(RAW_VALUE, Visitor)
     }
 }
 

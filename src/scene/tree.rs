@@ -8,7 +8,7 @@ use std::rc::Rc;
 /// A solid. Its parts are shared: what is used many times is read and checked once.
 pub(super) enum Tree {
     /// A primitive where it was written.
-    Leaf(LocalLeaf),
+    Leaf(Box<LocalLeaf>),
     /// A Boolean operation.
     Boolean(Operation, Vec<Rc<Tree>>),
     /// The union of images of one solid.
