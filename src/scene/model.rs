@@ -26,6 +26,10 @@ pub struct Scene {
     pub overlap: Policy,
     /// What to do about parts that nearly touch.
     pub gaps: Policy,
+    /// How interfaces are remeshed.
+    pub remesh: RemeshOptions,
+    /// How the volume is meshed.
+    pub mesh: MeshOptions,
     /// Leaf solids, each in one place; the same solid in the same place is one leaf, however often it is used.
     pub leaves: IdVec<LeafId, Leaf>,
     /// Parts in file order; where they overlap, the later one takes the space.
@@ -42,6 +46,54 @@ pub enum Policy {
     Allow,
     /// An error.
     Forbid,
+}
+
+/// How curved facets are remeshed.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct RemeshOptions {
+    /// Which facets.
+    pub mode: RemeshMode,
+    /// What they stay on.
+    pub patches: PatchMode,
+    /// Largest distance from the true surface, in the scene's unit; if absent, what the discretization leaves.
+    pub max_deviation: Option<f64>,
+}
+
+/// Which facets are remeshed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Deserialize, serde::Serialize)]
+pub enum RemeshMode {
+    /// None.
+    Off,
+    /// Curved facets that the intersection modified.
+    #[default]
+    Interfaces,
+    /// All curved facets.
+    Full,
+}
+
+/// The smooth supports that remeshed facets stay on.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Deserialize, serde::Serialize)]
+pub enum PatchMode {
+    /// The analytic surface where there is one, else a fitted patch.
+    #[default]
+    Analytic,
+    /// Fitted bicubic B-spline patches everywhere, as in the thesis.
+    BSpline,
+}
+
+/// What is asked of the tetrahedra.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct MeshOptions {
+    /// Largest ratio of circumradius to shortest edge, at least 1 (TetGen's `-q`); 2.0 unless given.
+    pub ratio: f64,
+    /// Smallest dihedral angle in degrees, if given.
+    pub dihedral: Option<f64>,
+}
+
+impl Default for MeshOptions {
+    fn default() -> Self {
+        Self { ratio: 2.0, dihedral: None }
+    }
 }
 
 /// A named solid that becomes one or more regions.

@@ -1,0 +1,170 @@
+//! The scene as it is written: one type per node of the language, read by `ron` through `serde`.
+//!
+//! All fields are optional here and hold their text; [`super::reader`] says what is missing or wrong, with its place.
+
+use super::source::{Field, Raw};
+use serde::Deserialize;
+
+macro_rules! nodes {
+    ($($name:ident { $($field:ident),* $(,)? })*) => {$(
+        #[derive(Deserialize, Default)]
+        #[serde(default, deny_unknown_fields, rename_all = "snake_case")]
+        pub(super) struct $name<'a> { $(#[serde(borrow)] pub $field: Field<'a>,)* }
+    )*};
+}
+
+/// Fields that every primitive has.
+#[derive(Clone, Copy)]
+pub(super) struct Common<'a> {
+    pub name: Field<'a>,
+    pub discretization: Field<'a>,
+    pub triangulated: Field<'a>,
+}
+
+macro_rules! primitives {
+    ($($name:ident { $($field:ident),* $(,)? })*) => {
+        nodes! { $($name { $($field,)* name, discretization, triangulated })* }
+        $(impl<'a> $name<'a> {
+            pub fn common(&self) -> Common<'a> {
+                Common { name: self.name, discretization: self.discretization, triangulated: self.triangulated }
+            }
+        })*
+    };
+}
+
+nodes! {
+    Scene { units, tolerance, overlap, gaps, params, discretization, triangulated, remesh, max_deviation, patches, mesh, solids, parts }
+    Part { name, material, solid, copies, max_edge, max_volume, discretization, triangulated, boundaries }
+    Discretization { segments, max_angle, max_chord_error }
+    Mesh { ratio, dihedral }
+    Outer { name }
+    Side { name, of, side }
+    Translate { by, solid }
+    Rotate { axis, angle, center, solid }
+    Scale { by, center, solid }
+    Mirror { normal, center, solid }
+    Linear { count, step, solid }
+    Polar { count, axis, center, step, solid }
+    Circle { radius, diameter, center, start }
+    Rectangle { min, max, size, center, at }
+    RoundedRectangle { min, max, size, center, at, radius }
+    RegularPolygon { sides, radius, center, start }
+    PathNode { start, segments, closed }
+    Line { to, name }
+    Arc { to, center, via, radius, angle, ccw, large, name }
+}
+
+primitives! {
+    Block { min, max, size, center, at }
+    Prism { sides, radius, polygon, height, base, axis, x_axis, start }
+    Pyramid { sides, radius, polygon, height, apex, base, axis, x_axis, start }
+    Cylinder { radius, diameter, height, base, axis, x_axis, start }
+    Tube { outer_radius, inner_radius, height, base, axis, x_axis, start }
+    Cone { radius, diameter, height, base, axis, x_axis, start }
+    Frustum { bottom_radius, top_radius, height, base, axis, x_axis, start }
+    Sphere { radius, diameter, center }
+    Ellipsoid { radii, center }
+    Torus { major_radius, minor_radius, center, axis, x_axis, start }
+    Extrude { profile, holes, height, base, axis, x_axis }
+    Revolve { profile, holes, angle, start, base, axis, x_axis }
+    Sweep { profile, holes, path, base, axis, x_axis }
+    Import { file, unit, scale, tolerance }
+}
+
+/// A solid.
+#[derive(Deserialize)]
+pub(super) enum Solid<'a> {
+    #[serde(borrow)]
+    Block(Block<'a>),
+    Prism(Prism<'a>),
+    Pyramid(Pyramid<'a>),
+    Cylinder(Cylinder<'a>),
+    Tube(Tube<'a>),
+    Cone(Cone<'a>),
+    Frustum(Frustum<'a>),
+    Sphere(Sphere<'a>),
+    Ellipsoid(Ellipsoid<'a>),
+    Torus(Torus<'a>),
+    Extrude(Extrude<'a>),
+    Revolve(Revolve<'a>),
+    Sweep(Sweep<'a>),
+    Import(Import<'a>),
+    Union(Vec<Raw<'a>>),
+    Difference(Vec<Raw<'a>>),
+    Intersection(Vec<Raw<'a>>),
+    Xor(Vec<Raw<'a>>),
+    Translate(Translate<'a>),
+    Rotate(Rotate<'a>),
+    Scale(Scale<'a>),
+    Mirror(Mirror<'a>),
+    Linear(Linear<'a>),
+    Polar(Polar<'a>),
+    Use(String),
+}
+
+/// Copies of a part.
+#[derive(Deserialize)]
+pub(super) enum Copies<'a> {
+    #[serde(borrow)]
+    Linear(Linear<'a>),
+    Polar(Polar<'a>),
+}
+
+/// A named boundary of a part.
+#[derive(Deserialize)]
+pub(super) enum Boundary<'a> {
+    #[serde(borrow)]
+    Outer(Outer<'a>),
+    Side(Side<'a>),
+}
+
+/// A closed or open curve in the plane.
+#[derive(Deserialize)]
+pub(super) enum Curve<'a> {
+    #[serde(borrow)]
+    Circle(Circle<'a>),
+    Rectangle(Rectangle<'a>),
+    RoundedRectangle(RoundedRectangle<'a>),
+    RegularPolygon(RegularPolygon<'a>),
+    Polygon(Vec<Raw<'a>>),
+    Path(PathNode<'a>),
+}
+
+/// A piece of a path.
+#[derive(Deserialize)]
+pub(super) enum Segment<'a> {
+    #[serde(borrow)]
+    Line(Line<'a>),
+    Arc(Arc<'a>),
+}
+
+/// A coordinate axis.
+#[derive(Clone, Copy, Deserialize)]
+pub(super) enum Axis {
+    X,
+    Y,
+    Z,
+}
+
+/// Entries of a map in the order in which they are written, none lost when keys repeat (serde's own maps keep the last).
+pub(super) struct Entries<'a>(pub Vec<(Raw<'a>, Raw<'a>)>);
+
+impl<'de: 'a, 'a> Deserialize<'de> for Entries<'a> {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Visitor;
+        impl<'de> serde::de::Visitor<'de> for Visitor {
+            type Value = Vec<(Raw<'de>, Raw<'de>)>;
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("a map {\"name\": value, ..}")
+            }
+            fn visit_map<A: serde::de::MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+                let mut entries = Vec::new();
+                while let Some(entry) = map.next_entry()? {
+                    entries.push(entry);
+                }
+                Ok(entries)
+            }
+        }
+        deserializer.deserialize_map(Visitor).map(Entries)
+    }
+}

@@ -1,0 +1,180 @@
+//! The leaves of a scene: the same primitive in the same place, divided alike, is one leaf however often it is used.
+
+use super::Limits;
+use super::memory::facet_estimate;
+use super::model::{Division, Leaf, Node, Operation, Primitive};
+use super::motion::Motion;
+use super::place::placed;
+use super::reader::LARGEST;
+use super::tree::{LocalLeaf, Tree};
+use crate::diag::{Diagnostic, Span};
+use crate::geom::{Affine, Vec3};
+use crate::ids::{IdVec, LeafId};
+use std::collections::HashMap;
+
+/// Memory of one facet of a leaf through all stages, in bytes: vertices, edges, uses and labels, a few copies of each.
+const BYTES_PER_FACET: f64 = 600.0;
+
+/// What holds for the leaves of a part unless they say otherwise.
+#[derive(Clone, Copy)]
+pub(super) struct Settings {
+    pub division: Division,
+    pub is_triangulated: bool,
+}
+
+/// Puts trees in their places.
+pub(super) struct Planter<'l> {
+    pub leaves: IdVec<LeafId, Leaf>,
+    /// Leaves by a number made from their coordinates; looked up only.
+    known: HashMap<u64, Vec<LeafId>>,
+    limits: &'l Limits,
+    bytes: f64,
+    nodes: usize,
+    /// Motions from the outermost to the innermost.
+    motions: Vec<Motion>,
+    /// Names of the solids around, and those that every leaf of the part got.
+    names: Vec<String>,
+    pub named: Vec<(String, LeafId)>,
+}
+
+impl<'l> Planter<'l> {
+    /// No leaves yet.
+    pub fn new(limits: &'l Limits) -> Self {
+        let (leaves, known, motions) = (IdVec::new(), HashMap::new(), Vec::new());
+        Self { leaves, known, limits, bytes: 0.0, nodes: 0, motions, names: Vec::new(), named: Vec::new() }
+    }
+
+    /// `tree` after `motion`, as a Boolean expression over leaves; `named` then holds its leaves by name.
+    ///
+    /// Errors: more nodes or more memory than the limits allow; coordinates out of range.
+    pub fn plant(&mut self, tree: &Tree, motion: Option<Motion>, settings: Settings, part: Span) -> Result<Node, Diagnostic> {
+        self.named.clear();
+        self.names.clear();
+        self.motions.clear();
+        self.motions.extend(motion);
+        self.node(tree, settings, part)
+    }
+
+    fn node(&mut self, tree: &Tree, settings: Settings, part: Span) -> Result<Node, Diagnostic> {
+        self.nodes += 1;
+        if self.nodes > self.limits.nodes {
+            let message = format!("the scene has more than {} solids, counting all copies", self.limits.nodes);
+            return Err(Diagnostic::error("scene-too-large", message).at(part).hint("repeat fewer or larger pieces"));
+        }
+        match tree {
+            Tree::Leaf(leaf) => self.leaf(leaf, settings).map(Node::Leaf),
+            Tree::Boolean(operation, operands) => {
+                let operands = operands.iter().map(|operand| self.node(operand, settings, part)).collect::<Result<_, _>>()?;
+                Ok(Node::Boolean(*operation, operands))
+            }
+            Tree::Copies(motions, inner) => {
+                let mut copies = Vec::new();
+                for motion in motions {
+                    self.motions.push(*motion);
+                    let copy = self.node(inner, settings, part);
+                    self.motions.pop();
+                    copies.push(copy?);
+                }
+                match copies.pop() {
+                    Some(only) if copies.is_empty() => Ok(only),
+                    last => Ok(Node::Boolean(Operation::Union, copies.into_iter().chain(last).collect())),
+                }
+            }
+            Tree::Named(name, inner) => {
+                self.names.push(name.clone());
+                let node = self.node(inner, settings, part);
+                self.names.pop();
+                node
+            }
+        }
+    }
+
+    fn leaf(&mut self, local: &LocalLeaf, settings: Settings) -> Result<LeafId, Diagnostic> {
+        let (primitive, transform) = placed(&local.primitive, self.motions.iter().rev());
+        let anchor = transform * nalgebra::Point3::from(anchor(&primitive));
+        if !anchor.coords.iter().all(|x| x.abs() <= LARGEST) {
+            let message = "a copy of this solid lies farther out than 1e9 units";
+            return Err(Diagnostic::error("out-of-range", message).at(local.span));
+        }
+        let leaf = Leaf {
+            primitive,
+            transform,
+            division: local.division.unwrap_or(settings.division),
+            tolerance: local.tolerance,
+            is_triangulated: local.is_triangulated.unwrap_or(settings.is_triangulated),
+            name: local.name.clone().or_else(|| self.names.last().cloned()),
+            span: local.span,
+        };
+        let id = self.intern(leaf)?;
+        for name in self.names.iter().chain(&local.name) {
+            if self.named.last().is_none_or(|(n, l)| (n, *l) != (name, id)) {
+                self.named.push((name.clone(), id));
+            }
+        }
+        Ok(id)
+    }
+
+    fn intern(&mut self, leaf: Leaf) -> Result<LeafId, Diagnostic> {
+        let key = fingerprint(&leaf);
+        let same = self.known.get(&key).into_iter().flatten().find(|&&id| is_same(&self.leaves[id], &leaf));
+        if let Some(&id) = same {
+            return Ok(id);
+        }
+        let bytes = self.bytes + BYTES_PER_FACET * facet_estimate(&leaf);
+        if bytes > self.limits.memory {
+            let message = format!("this discretization would need more than {:.1} GB of memory", self.limits.memory / 1e9);
+            let hint = "use fewer segments, or a larger max_angle or max_chord_error";
+            return Err(Diagnostic::error("too-many-segments", message).at(leaf.span).hint(hint));
+        }
+        self.bytes = bytes;
+        let id = self.leaves.push(leaf);
+        self.known.entry(key).or_default().push(id);
+        Ok(id)
+    }
+}
+
+/// Whether two leaves are the same solid, divided alike.
+fn is_same(a: &Leaf, b: &Leaf) -> bool {
+    a.primitive == b.primitive
+        && a.transform == b.transform
+        && a.division == b.division
+        && a.tolerance == b.tolerance
+        && a.is_triangulated == b.is_triangulated
+}
+
+/// A point of the primitive's own coordinates that moves with it.
+fn anchor(primitive: &Primitive) -> Vec3 {
+    match primitive {
+        Primitive::Block { lo, .. } => *lo,
+        Primitive::Ellipsoid { center, .. } => *center,
+        Primitive::Import { .. } => Vec3::zeros(),
+        Primitive::Pyramid { frame, .. }
+        | Primitive::Cone { frame, .. }
+        | Primitive::Torus { frame, .. }
+        | Primitive::Extrusion { frame, .. }
+        | Primitive::Revolution { frame, .. }
+        | Primitive::PathSweep { frame, .. } => frame.origin,
+    }
+}
+
+/// A number that is the same for leaves that are the same, and rarely for others (FNV-1a over some coordinates).
+fn fingerprint(leaf: &Leaf) -> u64 {
+    let direction = match &leaf.primitive {
+        Primitive::Block { hi, .. } => *hi,
+        Primitive::Ellipsoid { radii, .. } => *radii,
+        Primitive::Cone { frame, bottom_radius, top_radius, height } => {
+            frame.x + Vec3::new(*bottom_radius, *top_radius, *height)
+        }
+        Primitive::Pyramid { frame, .. }
+        | Primitive::Torus { frame, .. }
+        | Primitive::Extrusion { frame, .. }
+        | Primitive::Revolution { frame, .. }
+        | Primitive::PathSweep { frame, .. } => frame.x,
+        Primitive::Import { .. } => Vec3::zeros(),
+    };
+    let map: &Affine = &leaf.transform;
+    let anchor = anchor(&leaf.primitive);
+    let numbers = anchor.iter().chain(direction.iter()).chain(map.matrix().iter());
+    // Adding 0 turns -0 into 0, which equals it.
+    numbers.fold(0xcbf2_9ce4_8422_2325, |hash, x| (hash ^ (x + 0.0).to_bits()).wrapping_mul(0x0100_0000_01b3))
+}

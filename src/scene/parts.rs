@@ -1,0 +1,230 @@
+//! Parts, their copies and their named boundaries.
+
+use super::ast;
+use super::expr::Kind;
+use super::leaves::{Planter, Settings};
+use super::model::{Boundary, BoundaryId, BoundarySelection, Part, Primitive};
+use super::motion::Motion;
+use super::reader::{Owner, Reader};
+use super::solids::SolidReader;
+use super::source::{Field, Raw};
+use super::tree::Tree;
+use crate::diag::{Diagnostic, Span};
+use crate::ids::{IdVec, LeafId, PartId};
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+/// What the `parts` list becomes.
+pub(super) struct Parts<'l> {
+    pub parts: IdVec<PartId, Part>,
+    pub boundaries: IdVec<BoundaryId, Boundary>,
+    pub planter: Planter<'l>,
+    /// Names given so far, with their places.
+    names: BTreeMap<String, Span>,
+}
+
+/// A part as it is written; its copies differ in name and place only.
+struct Pattern<'a> {
+    name: String,
+    at: Raw<'a>,
+    material: Option<String>,
+    max_edge: Option<f64>,
+    max_volume: Option<f64>,
+    settings: Settings,
+    tree: Rc<Tree>,
+    /// Places of the copies; `None` if the part is not repeated.
+    motions: Option<Vec<Motion>>,
+    boundaries: Vec<Named<'a>>,
+}
+
+/// A boundary as it is written.
+struct Named<'a> {
+    name: String,
+    at: Raw<'a>,
+    side: Option<(Option<String>, Option<String>, Raw<'a>)>,
+}
+
+impl<'l> Parts<'l> {
+    /// No parts yet.
+    pub fn new(planter: Planter<'l>) -> Self {
+        Self { parts: IdVec::new(), boundaries: IdVec::new(), planter, names: BTreeMap::new() }
+    }
+
+    /// Reads one part and appends it, or its copies.
+    pub fn add<'a>(&mut self, solids: &mut SolidReader<'_, 'a>, raw: Raw<'a>, settings: Settings) {
+        if let Some(pattern) = read_part(solids, raw, settings) {
+            self.append(solids.reader, &pattern);
+        }
+    }
+
+    fn append<'a>(&mut self, reader: &mut Reader<'a>, pattern: &Pattern<'a>) {
+        let single = [None];
+        let motions: Vec<Option<Motion>> = match &pattern.motions {
+            None => single.to_vec(),
+            Some(motions) => motions.iter().map(|m| Some(*m)).collect(),
+        };
+        for (k, motion) in motions.into_iter().enumerate() {
+            let numbered = |name: &str| match &pattern.motions {
+                None => name.to_owned(),
+                Some(_) => format!("{name}{}", k + 1),
+            };
+            let span = reader.span(pattern.at);
+            let name = numbered(&pattern.name);
+            if !self.claim(reader, &name, pattern.at, "part") {
+                return;
+            }
+            let solid = match self.planter.plant(&pattern.tree, motion, pattern.settings, span) {
+                Ok(solid) => solid,
+                Err(fault) => return reader.fault(fault),
+            };
+            let Pattern { max_edge, max_volume, .. } = *pattern;
+            let part = self.parts.push(Part { name, material: pattern.material.clone(), solid, max_edge, max_volume, span });
+            for boundary in &pattern.boundaries {
+                self.add_boundary(reader, boundary, part, numbered(&boundary.name));
+            }
+        }
+    }
+
+    /// Takes a name; a name that is taken is a fault.
+    fn claim<'a>(&mut self, reader: &mut Reader<'a>, name: &str, at: Raw<'a>, what: &str) -> bool {
+        let Some(first) = self.names.insert(name.to_owned(), reader.span(at)) else { return true };
+        let message = format!("the {what} `{name}` has a name that was given at {}:{} already", first.line, first.column);
+        reader.fail::<()>(at, "duplicate-name", message);
+        false
+    }
+
+    fn add_boundary<'a>(&mut self, reader: &mut Reader<'a>, named: &Named<'a>, part: PartId, name: String) {
+        let span = reader.span(named.at);
+        let selection = match &named.side {
+            None => Some(BoundarySelection::Outer),
+            Some((of, side, at)) => self.select(reader, of.as_deref(), side.as_deref(), *at),
+        };
+        let is_new = self.claim(reader, &name, named.at, "boundary");
+        if let (Some(selection), true) = (selection, is_new) {
+            self.boundaries.push(Boundary { name, part, selection, span });
+        }
+    }
+
+    /// The leaves of the last part that have a name (all without one) and a side.
+    fn select<'a>(
+        &self,
+        reader: &mut Reader<'a>,
+        of: Option<&str>,
+        side: Option<&str>,
+        at: Raw<'a>,
+    ) -> Option<BoundarySelection> {
+        let of_part = &self.planter.named;
+        let mut leaves: Vec<LeafId> = match of {
+            Some(of) => of_part.iter().filter(|(name, _)| name == of).map(|(_, leaf)| *leaf).collect(),
+            None => self.parts.iter().last().map_or(Vec::new(), |part| leaves_of(&part.solid)),
+        };
+        leaves.sort_unstable();
+        leaves.dedup();
+        if leaves.is_empty() {
+            let of = of.unwrap_or("");
+            let fault = Diagnostic::error("unknown-solid", format!("the part has no solid named `{of}`")).at(reader.span(at));
+            let mut names: Vec<&str> = of_part.iter().map(|(name, _)| name.as_str()).collect();
+            names.sort_unstable();
+            names.dedup();
+            reader.fault(super::fault::with_names(fault, of, names));
+            return None;
+        }
+        let Some(written) = side else { return Some(BoundarySelection::Side { leaves, side: None }) };
+        let leaf = |id: LeafId| &self.planter.leaves[id].primitive;
+        // A block may call its upper and lower side as all others do.
+        let is_block = leaves.iter().all(|&id| matches!(leaf(id), Primitive::Block { .. }));
+        let side = match written {
+            "top" if is_block => "z+",
+            "bottom" if is_block => "z-",
+            other => other,
+        };
+        let mut known: Vec<String> = Vec::new();
+        leaves.retain(|&id| match leaf(id).sides() {
+            None => true,
+            Some(sides) => {
+                let has = sides.iter().any(|s| s == side);
+                known.extend(sides.into_iter().filter(|_| !has));
+                has
+            }
+        });
+        if leaves.is_empty() {
+            known.sort_unstable();
+            known.dedup();
+            let fault = Diagnostic::error("unknown-side", format!("there is no side `{written}`")).at(reader.span(at));
+            reader.fault(super::fault::with_names(fault, written, known.iter().map(String::as_str)));
+            return None;
+        }
+        Some(BoundarySelection::Side { leaves, side: Some(side.to_owned()) })
+    }
+}
+
+/// The leaves of an expression.
+fn leaves_of(node: &super::model::Node) -> Vec<LeafId> {
+    match node {
+        super::model::Node::Leaf(id) => vec![*id],
+        super::model::Node::Boolean(_, operands) => operands.iter().flat_map(leaves_of).collect(),
+    }
+}
+
+fn read_part<'a>(solids: &mut SolidReader<'_, 'a>, raw: Raw<'a>, scene: Settings) -> Option<Pattern<'a>> {
+    let owner = Owner { kind: "Part", raw };
+    let reader = &mut *solids.reader;
+    let node: ast::Part = reader.read(raw)?;
+    let name = reader.need(owner, "name", node.name).and_then(|raw| reader.name("name of a part", raw));
+    let material = reader.maybe(node.material, |r, raw| r.name("name of a material", raw));
+    let max_edge = reader.maybe(node.max_edge, |r, raw| r.size("max_edge", raw));
+    let max_volume = reader.maybe(node.max_volume, |r, raw| r.positive("max_volume", raw, Kind::Length(3)));
+    let division = reader.maybe(node.discretization, Reader::division);
+    let is_triangulated = reader.read_or(node.triangulated, scene.is_triangulated);
+    let motions = reader.maybe(node.copies, read_copies);
+    let boundaries = read_boundaries(reader, node.boundaries);
+    let solid = reader.need(owner, "solid", node.solid).and_then(|raw| solids.solid(raw));
+    let settings = Settings { division: division?.unwrap_or(scene.division), is_triangulated: is_triangulated? };
+    Some(Pattern {
+        name: name?,
+        at: raw,
+        material: material?,
+        max_edge: max_edge?,
+        max_volume: max_volume?,
+        settings,
+        tree: solid?,
+        motions: motions?,
+        boundaries: boundaries?,
+    })
+}
+
+fn read_copies<'a>(reader: &mut Reader<'a>, raw: Raw<'a>) -> Option<Vec<Motion>> {
+    let (inner, motions) = match reader.read::<ast::Copies>(raw)? {
+        ast::Copies::Linear(node) => (node.solid, reader.linear(Owner { kind: "Linear", raw }, &node)),
+        ast::Copies::Polar(node) => (node.solid, reader.polar(Owner { kind: "Polar", raw }, &node)),
+    };
+    match inner.0 {
+        None => motions,
+        Some(raw) => reader.fail(raw, "conflict", "`copies` repeats the part's own solid; it has no `solid`"),
+    }
+}
+
+fn read_boundaries<'a>(reader: &mut Reader<'a>, field: Field<'a>) -> Option<Vec<Named<'a>>> {
+    let list: Vec<Raw> = reader.read_or(field, Vec::new())?;
+    let named: Vec<Option<Named>> = list.into_iter().map(|raw| read_boundary(reader, raw)).collect();
+    named.into_iter().collect()
+}
+
+fn read_boundary<'a>(reader: &mut Reader<'a>, raw: Raw<'a>) -> Option<Named<'a>> {
+    let (kind, name, side) = match reader.read::<ast::Boundary>(raw)? {
+        ast::Boundary::Outer(node) => ("Outer", node.name, None),
+        ast::Boundary::Side(node) => ("Side", node.name, Some((node.of, node.side))),
+    };
+    let owner = Owner { kind, raw };
+    let name = reader.need(owner, "name", name).and_then(|raw| reader.name("name of a boundary", raw));
+    let side = match side {
+        None => Some(None),
+        Some((of, side)) => {
+            let at = side.0.or(of.0).unwrap_or(raw);
+            let of = reader.maybe(of, |r, raw| r.read::<String>(raw));
+            let side = reader.maybe(side, |r, raw| r.read::<String>(raw));
+            of.zip(side).map(|(of, side)| Some((of, side, at)))
+        }
+    };
+    Some(Named { name: name?, at: raw, side: side? })
+}

@@ -1,0 +1,247 @@
+//! Values of the scene: numbers, points, axes, names, each checked, each fault at its place. `None` means that a fault was
+//! reported; callers read all fields of a node before they give up, so that all its faults are.
+
+use super::ast;
+use super::expr::{self, Kind, Quantity, name_of};
+use super::motion::unit_vector;
+use super::params::Params;
+use super::source::{Field, Raw, Source};
+use super::units::Unit;
+use crate::diag::{Diagnostic, Span};
+use crate::geom::Vec3;
+use serde::Deserialize;
+
+/// Largest coordinate and length, in the scene's unit. With the smallest one, products of three stay far from overflow and
+/// underflow, as exact predicates need.
+pub(super) const LARGEST: f64 = 1e9;
+/// Smallest size, in the scene's unit.
+pub(super) const SMALLEST: f64 = 1e-9;
+/// Faults reported in one run; more help nobody.
+const MAX_FAULTS: usize = 200;
+
+/// Reads values, and collects what is wrong with them.
+pub(super) struct Reader<'a> {
+    pub source: Source<'a>,
+    pub unit: Unit,
+    pub params: Params<'a>,
+    faults: Vec<Diagnostic>,
+    pub warnings: Vec<Diagnostic>,
+}
+
+/// A node of the scene, for messages.
+#[derive(Clone, Copy)]
+pub(super) struct Owner<'a> {
+    pub kind: &'static str,
+    pub raw: Raw<'a>,
+}
+
+impl<'a> Reader<'a> {
+    /// A reader of `text`; the scene's unit and parameters are set later.
+    pub fn new(text: &'a str, unit: Unit) -> Self {
+        let params = Params::default();
+        Self { source: Source::new(text), unit, params, faults: Vec::new(), warnings: Vec::new() }
+    }
+
+    /// Reports a fault.
+    pub fn fault(&mut self, diagnostic: Diagnostic) {
+        if self.faults.len() < MAX_FAULTS {
+            self.faults.push(diagnostic);
+        }
+    }
+    /// Reports a fault at `raw`; gives `None` for the caller to return.
+    pub fn fail<T>(&mut self, raw: Raw<'a>, code: &'static str, message: impl Into<String>) -> Option<T> {
+        let diagnostic = Diagnostic::error(code, message).at(self.source.span(raw));
+        self.fault(diagnostic);
+        None
+    }
+    /// All faults so far, in the order of their places.
+    pub fn take_faults(&mut self) -> Vec<Diagnostic> {
+        let mut faults = std::mem::take(&mut self.faults);
+        faults.sort_by_key(|d| d.span);
+        faults.dedup();
+        faults
+    }
+    /// Whether anything was wrong.
+    pub fn has_faults(&self) -> bool {
+        !self.faults.is_empty()
+    }
+    /// Where `raw` stands.
+    pub fn span(&self, raw: Raw<'a>) -> Span {
+        self.source.span(raw)
+    }
+
+    /// A value of type `T`.
+    pub fn read<T: Deserialize<'a>>(&mut self, raw: Raw<'a>) -> Option<T> {
+        self.source.read(raw).map_err(|diagnostic| self.fault(diagnostic)).ok()
+    }
+    /// The value of a field, or a default if it is absent.
+    pub fn read_or<T: Deserialize<'a>>(&mut self, field: Field<'a>, default: T) -> Option<T> {
+        field.0.map_or(Some(default), |raw| self.read(raw))
+    }
+    /// The value of a field that may be absent.
+    pub fn maybe<T>(&mut self, field: Field<'a>, read: impl FnOnce(&mut Self, Raw<'a>) -> Option<T>) -> Option<Option<T>> {
+        field.0.map_or(Some(None), |raw| read(self, raw).map(Some))
+    }
+    /// The text of a field that must be there.
+    pub fn need(&mut self, owner: Owner<'a>, label: &str, field: Field<'a>) -> Option<Raw<'a>> {
+        field.0.or_else(|| self.fail(owner.raw, "missing-field", format!("{} needs the field `{label}`", owner.kind)))
+    }
+
+    /// A number of any kind.
+    pub fn quantity(&mut self, raw: Raw<'a>) -> Option<Quantity> {
+        let quantity = if raw.0.starts_with(['"', 'r']) {
+            let text: String = self.read(raw)?;
+            self.expression(&text, Some(raw))?
+        } else {
+            Quantity { value: self.read::<f64>(raw)?, kind: Kind::Plain }
+        };
+        if !quantity.value.is_finite() {
+            return self.fail(raw, "not-finite", "this number is not finite");
+        }
+        Some(Quantity { value: quantity.value + 0.0, ..quantity })
+    }
+
+    /// The value of an expression that stands in the scene at `raw`, or came from the command line.
+    pub fn expression(&mut self, text: &str, raw: Option<Raw<'a>>) -> Option<Quantity> {
+        let unit = self.unit;
+        match expr::evaluate(text, unit, &mut |name| self.param(name)) {
+            Ok(quantity) => Some(quantity),
+            Err(None) => None,
+            Err(Some((at, mut diagnostic))) => {
+                // Behind the quote; exact unless the string has escapes.
+                diagnostic.span = raw.map(|raw| {
+                    let is_plain = raw.0.get(1..).is_some_and(|inner| inner.starts_with(text));
+                    self.source.span_at(self.source.offset(raw) + if is_plain { 1 + at } else { 0 })
+                });
+                self.fault(diagnostic);
+                None
+            }
+        }
+    }
+
+    /// A number of kind `kind`, or a plain one.
+    fn number(&mut self, label: &str, raw: Raw<'a>, kind: Kind) -> Option<f64> {
+        let quantity = self.quantity(raw)?;
+        if quantity.kind == kind || quantity.kind == Kind::Plain {
+            return Some(quantity.value);
+        }
+        self.fail(raw, "wrong-unit", format!("`{label}` must be {}, not {}", name_of(kind), name_of(quantity.kind)))
+    }
+    /// A plain number.
+    pub fn plain(&mut self, label: &str, raw: Raw<'a>) -> Option<f64> {
+        self.number(label, raw, Kind::Plain)
+    }
+    /// An angle in degrees.
+    pub fn degrees(&mut self, label: &str, raw: Raw<'a>) -> Option<f64> {
+        self.number(label, raw, Kind::Angle)
+    }
+    /// A coordinate.
+    pub fn length(&mut self, label: &str, raw: Raw<'a>) -> Option<f64> {
+        let value = self.number(label, raw, Kind::Length(1))?;
+        if value.abs() > LARGEST {
+            return self.fail(raw, "out-of-range", format!("`{label}` is {value:e}; lengths go up to 1e9 units"));
+        }
+        Some(value)
+    }
+    /// A positive number of kind `kind`.
+    pub fn positive(&mut self, label: &str, raw: Raw<'a>, kind: Kind) -> Option<f64> {
+        let value = self.number(label, raw, kind)?;
+        if value > 0.0 {
+            return Some(value);
+        }
+        self.fail(raw, "not-positive", format!("`{label}` must be positive, it is {value}"))
+    }
+    /// A positive length.
+    pub fn size(&mut self, label: &str, raw: Raw<'a>) -> Option<f64> {
+        let value = self.positive(label, raw, Kind::Length(1))?;
+        if !(SMALLEST..=LARGEST).contains(&value) {
+            return self.fail(raw, "out-of-range", format!("`{label}` is {value:e}; sizes go from 1e-9 to 1e9 units"));
+        }
+        Some(value)
+    }
+    /// A positive length that must be there.
+    pub fn needed_size(&mut self, owner: Owner<'a>, label: &str, field: Field<'a>) -> Option<f64> {
+        let raw = self.need(owner, label, field)?;
+        self.size(label, raw)
+    }
+    /// A radius, given as such or as a diameter.
+    pub fn radius(&mut self, owner: Owner<'a>, radius: Field<'a>, diameter: Field<'a>) -> Option<f64> {
+        match (radius.0, diameter.0) {
+            (Some(_), Some(raw)) => self.fail(raw, "conflict", format!("{} has both radius and diameter", owner.kind)),
+            (None, Some(raw)) => Some(0.5 * self.size("diameter", raw)?),
+            _ => self.needed_size(owner, "radius", radius),
+        }
+    }
+    /// A whole number from `least` to `most`.
+    pub fn count(&mut self, label: &str, raw: Raw<'a>, least: u32, most: u32) -> Option<u32> {
+        let value = self.plain(label, raw)?;
+        if value == libm::rint(value) && (f64::from(least)..=f64::from(most)).contains(&value) {
+            return Some(value as u32);
+        }
+        let code = if value == libm::rint(value) { "out-of-range" } else { "not-whole" };
+        self.fail(raw, code, format!("`{label}` must be a whole number from {least} to {most}, it is {value}"))
+    }
+
+    /// A point of space.
+    pub fn point(&mut self, label: &str, raw: Raw<'a>) -> Option<Vec3> {
+        let (x, y, z): (Raw, Raw, Raw) = self.read(raw)?;
+        let coordinates = [x, y, z].map(|c| self.length(label, c));
+        let [x, y, z] = coordinates;
+        Some(Vec3::new(x?, y?, z?))
+    }
+    /// A point of space; the origin if absent.
+    pub fn point_or_origin(&mut self, label: &str, field: Field<'a>) -> Option<Vec3> {
+        field.0.map_or(Some(Vec3::zeros()), |raw| self.point(label, raw))
+    }
+    /// Three positive lengths.
+    pub fn sizes(&mut self, label: &str, raw: Raw<'a>) -> Option<Vec3> {
+        let (x, y, z): (Raw, Raw, Raw) = self.read(raw)?;
+        let [x, y, z] = [x, y, z].map(|c| self.size(label, c));
+        Some(Vec3::new(x?, y?, z?))
+    }
+    /// A point of the plane.
+    pub fn point2(&mut self, label: &str, raw: Raw<'a>) -> Option<[f64; 2]> {
+        let (x, y): (Raw, Raw) = self.read(raw)?;
+        let [x, y] = [x, y].map(|c| self.length(label, c));
+        Some([x?, y?])
+    }
+    /// A point of the plane; the origin if absent.
+    pub fn point2_or_origin(&mut self, label: &str, field: Field<'a>) -> Option<[f64; 2]> {
+        field.0.map_or(Some([0.0; 2]), |raw| self.point2(label, raw))
+    }
+    /// A direction of length 1: X, Y, Z or a vector.
+    pub fn axis(&mut self, label: &str, raw: Raw<'a>) -> Option<Vec3> {
+        if !raw.0.starts_with('(') {
+            return Some(match self.read::<ast::Axis>(raw)? {
+                ast::Axis::X => Vec3::x(),
+                ast::Axis::Y => Vec3::y(),
+                ast::Axis::Z => Vec3::z(),
+            });
+        }
+        let vector = self.point(label, raw)?;
+        match unit_vector(vector) {
+            Some(unit) => Some(unit),
+            None => self.fail(raw, "zero-axis", format!("`{label}` has no direction: it is (0, 0, 0)")),
+        }
+    }
+    /// A direction; z if absent.
+    pub fn axis_or_z(&mut self, field: Field<'a>) -> Option<Vec3> {
+        field.0.map_or(Some(Vec3::z()), |raw| self.axis("axis", raw))
+    }
+
+    /// A name that solvers and TetGen can carry: ASCII letters, digits and signs without blanks and `|`.
+    pub fn name(&mut self, label: &str, raw: Raw<'a>) -> Option<String> {
+        let name: String = self.read(raw)?;
+        // Longer names are cut by some solvers.
+        let is_good =
+            !name.is_empty() && name.len() <= 64 && name.chars().all(|c| c.is_ascii_graphic() && !"|\"\\".contains(c));
+        if is_good && name != "outer" {
+            return Some(name);
+        }
+        let diagnostic = Diagnostic::error("bad-name", format!("`{name}` cannot be the {label}"))
+            .at(self.span(raw))
+            .hint("names are 1 to 64 printable ASCII characters without blanks, `|`, quotes and `\\`; `outer` is reserved");
+        self.fault(diagnostic);
+        None
+    }
+}

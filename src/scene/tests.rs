@@ -1,0 +1,265 @@
+//! The language as a whole, on small scenes whose results are known.
+
+use super::model::*;
+use super::*;
+use crate::diag::Severity;
+use crate::geom::Vec3;
+use crate::ids::{LeafId, PartId};
+use proptest::prelude::*;
+
+fn read(text: &str) -> Outcome<Scene> {
+    parse("test", Path::new(""), text, &[], &Limits::default()).map(|(scene, _)| scene)
+}
+
+fn scene(text: &str) -> Scene {
+    read(text).unwrap_or_else(|faults| panic!("{faults:#?}\n{text}"))
+}
+
+fn codes(text: &str) -> Vec<&'static str> {
+    read(text).err().unwrap_or_default().iter().map(|fault| fault.code).collect()
+}
+
+/// A scene in mm of one part per solid.
+fn of_solids(settings: &str, solids: &[&str]) -> String {
+    let parts: Vec<String> = solids.iter().enumerate().map(|(k, s)| format!("Part(name: \"p{k}\", solid: {s})")).collect();
+    format!("Scene(units: \"mm\", {settings} parts: [{}])", parts.join(",\n"))
+}
+
+fn bundled(name: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name);
+    std::fs::read_to_string(path).unwrap()
+}
+
+/// The number that an expression gives where a length is expected, in mm.
+fn length(params: &str, expression: &str) -> Result<f64, Vec<&'static str>> {
+    let sphere = format!("Sphere(radius: 1, center: ({expression}, 0, 0))");
+    match read(&of_solids(&format!("params: {{{params}}},"), &[&sphere])) {
+        Ok(scene) => match &scene.leaves[LeafId(0)].primitive {
+            Primitive::Ellipsoid { center, .. } => Ok(center.x),
+            other => panic!("{other:?}"),
+        },
+        Err(faults) => Err(faults.iter().map(|fault| fault.code).collect()),
+    }
+}
+
+#[test]
+fn numbers_and_expressions() {
+    let params = r#""gap": "0.8mm", "n": 12, "wide": "2 * gap + n", "turn": "90 deg""#;
+    for (expression, expected) in [
+        ("3", 3.0),
+        ("-2.5e1", -25.0),
+        ("1_000", 1000.0),
+        (r#""0.1in""#, 2.54),
+        (r#""gap/2 + 3 mm""#, 3.4),
+        (r#""wide""#, 13.6),
+        (r#""sin(30)""#, 0.5),
+        (r#""sin((pi/6) rad) * 4 cm""#, 20.0),
+        (r#""cos(turn)""#, 0.0),
+        (r#""2^3^2""#, 512.0),
+        (r#""-2^2""#, -4.0),
+        (r#""(2 + 3) * -4""#, -20.0),
+        (r#""10 - 3 - 2""#, 5.0),
+        (r#""sqrt(16 mm^2)""#, 4.0),
+        (r#""5 mm^3 / 1 cm^2""#, 0.05),
+        (r#""max(1cm, 3)""#, 10.0),
+        (r#""mod(-1, 12)""#, 11.0),
+        (r#""atan2(1, 1) / 1deg""#, 45.0),
+    ] {
+        assert_eq!(length(params, expression), Ok(expected), "{expression}");
+    }
+    for (expression, code) in [
+        (r#""1 +""#, "expression"),
+        (r#""2 3""#, "expression"),
+        (r#""sin(1, 2)""#, "expression"),
+        (r#""sinus(1)""#, "expression"),
+        (r#""""#, "expression"),
+        (r#""turn""#, "wrong-unit"),
+        (r#""gap * turn""#, "wrong-unit"),
+        (r#""gap ^ 2""#, "wrong-unit"),
+        (r#""sin(gap)""#, "wrong-unit"),
+        (r#""1e999""#, "not-finite"),
+        (r#""0/0""#, "not-finite"),
+        (r#""nn""#, "unknown-parameter"),
+        ("true", "wrong-type"),
+    ] {
+        assert_eq!(length(params, expression), Err(vec![code]), "{expression}");
+    }
+}
+
+#[test]
+fn parameters_are_set_from_outside() {
+    let text = of_solids("params: {\"gap\": 1, \"r\": \"2 * gap\"},", &["Sphere(radius: \"r\")"]);
+    let set = |name: &str, value: &str| {
+        let overrides = [(name.to_owned(), value.to_owned())];
+        parse("t", Path::new(""), &text, &overrides, &Limits::default())
+    };
+    let (with, _) = set("gap", "0.4 cm").unwrap();
+    assert_eq!(with.leaves[LeafId(0)].primitive, Primitive::Ellipsoid { center: Vec3::zeros(), radii: Vec3::repeat(8.0) });
+    assert_ne!(with.hash, scene(&text).hash);
+    assert_eq!(set("gapp", "1").unwrap_err()[0].code, "unknown-parameter");
+    assert_eq!(set("gap", "r").unwrap_err()[0].code, "cyclic-reference");
+}
+
+#[test]
+fn the_same_solid_in_the_same_place_is_one_leaf() {
+    // Written, translated, translated twice, scaled, in another unit, used by name.
+    let settings = r#"solids: {"b": Block(min: (1, 2, 3), max: (2, 4, 6))},"#;
+    let same = scene(&of_solids(
+        settings,
+        &[
+            "Block(min: (1, 2, 3), max: (2, 4, 6))",
+            "Translate(by: (1, 2, 3), solid: Block(size: (1, 2, 3)))",
+            "Translate(by: (1, 0, 0), solid: Translate(by: (0, 2, 3), solid: Block(size: (1, 2, 3))))",
+            "Scale(by: 0.5, solid: Block(min: (2, 4, 6), max: (4, 8, 12)))",
+            r#"Block(size: ("0.1 cm", 2, "0.003 m"), center: (1.5, 3, 4.5))"#,
+            r#"Use("b")"#,
+        ],
+    ));
+    assert_eq!(same.leaves.len(), 1);
+    let other = scene(&of_solids("", &["Sphere(radius: 1)", "Sphere(radius: 1, discretization: (segments: 8))"]));
+    assert_eq!(other.leaves.len(), 2);
+}
+
+#[test]
+fn a_body_of_revolution_turned_about_its_axis_is_itself() {
+    let turned = |solid: &str| {
+        let inner = format!("Polar(count: 5, center: (3, 0, 0), solid: {solid})");
+        scene(&of_solids("", &[&inner])).leaves.len()
+    };
+    assert_eq!(turned("Cylinder(radius: 1, height: 2, base: (3, 0, 7))"), 1);
+    assert_eq!(turned("Tube(outer_radius: 2, inner_radius: 1, height: 2, base: (3, 0, 7))"), 1);
+    assert_eq!(turned("Cylinder(radius: 1, height: 2, base: (0, 0, 7))"), 5);
+    assert_eq!(turned("Prism(sides: 6, radius: 1, height: 2, base: (3, 0, 7))"), 5);
+    // A stator minus its slots, and the coils in them: one ring, and a wedge for each slot.
+    let machine = scene(&bundled("machine.ron"));
+    assert_eq!((machine.parts.len(), machine.leaves.len()), (21, 6 + 1 + 12 + 4));
+    let slots = scene(&of_solids(
+        r#"solids: {"slot": Block(min: (5, -1, 0), max: (9, 1, 4))},"#,
+        &[
+            r#"Difference([Cylinder(radius: 8, height: 4), Polar(count: 12, solid: Use("slot"))])"#,
+            r#"Polar(count: 12, solid: Use("slot"))"#,
+        ],
+    ));
+    assert_eq!(slots.leaves.len(), 13);
+}
+
+#[test]
+fn motions_act_from_the_inside_out_and_exactly() {
+    let at = |solid: &str| match scene(&of_solids("", &[solid])).leaves[LeafId(0)].clone() {
+        Leaf { primitive: Primitive::Cone { frame, .. }, transform, .. } => {
+            assert_eq!(transform, crate::geom::Affine::identity());
+            frame
+        }
+        other => panic!("{other:?}"),
+    };
+    let cone = "Cone(radius: 1, height: 2, base: (1, 0, 0))";
+    let moved = at(&format!("Translate(by: (0, 0, 5), solid: Rotate(axis: Z, angle: 90, solid: {cone}))"));
+    assert_eq!((moved.origin, moved.x, moved.z), (Vec3::new(0.0, 1.0, 5.0), Vec3::y(), Vec3::z()));
+    let mirrored = at(&format!("Mirror(normal: Z, center: (0, 0, 1), solid: {cone})"));
+    assert_eq!((mirrored.origin, mirrored.z), (Vec3::new(1.0, 0.0, 2.0), -Vec3::z()));
+    assert_eq!(mirrored.x.cross(&mirrored.y), mirrored.z);
+    let turned = at(&format!("Rotate(axis: Y, angle: 90, center: (1, 0, 0), solid: {cone})"));
+    assert_eq!((turned.origin, turned.z), (Vec3::new(1.0, 0.0, 0.0), Vec3::x()));
+    // What numbers cannot carry is left to the matrix.
+    let block = scene(&of_solids("", &["Rotate(axis: Z, angle: 90, solid: Block(size: (1, 2, 3)))"]));
+    let image = block.leaves[LeafId(0)].transform * nalgebra::Point3::new(1.0, 2.0, 3.0);
+    assert_eq!(image, nalgebra::Point3::new(-2.0, 1.0, 3.0));
+}
+
+#[test]
+fn settings_of_the_inside_win() {
+    let text = r#"Scene(units: "mm", discretization: (segments: 8), triangulated: true, max_deviation: "0.1 cm", remesh: Full,
+        patches: BSpline, mesh: (ratio: 1.4), parts: [
+        Part(name: "a", solid: Sphere(radius: 1)),
+        Part(name: "b", solid: Sphere(radius: 2), discretization: (max_angle: 30), triangulated: false, max_volume: "1 mm^3"),
+        Part(name: "c", solid: Sphere(radius: 3, discretization: (segments: 40)), discretization: (segments: 9)),
+    ])"#;
+    let scene = scene(text);
+    let divisions: Vec<_> =
+        scene.leaves.iter().map(|l| (l.division.segments, l.division.max_angle, l.is_triangulated)).collect();
+    let thirty = Some(std::f64::consts::PI / 6.0);
+    assert_eq!(divisions, [(Some(8), None, true), (None, thirty, false), (Some(40), None, true)]);
+    assert_eq!(scene.parts[PartId(1)].max_volume, Some(1.0));
+    assert_eq!(scene.remesh, RemeshOptions { mode: RemeshMode::Full, patches: PatchMode::BSpline, max_deviation: Some(1.0) });
+    assert_eq!(scene.mesh, MeshOptions { ratio: 1.4, dihedral: None });
+}
+
+#[test]
+fn boundaries_select_sides_of_leaves() {
+    let tour = scene(&bundled("tour.ron"));
+    let side = |name: &str| tour.boundaries.iter().find(|b| b.name == name).map(|b| b.selection.clone()).unwrap();
+    assert_eq!(side("ceiling"), BoundarySelection::Side { leaves: vec![LeafId(0)], side: Some("z+".into()) });
+    assert_eq!(side("face6"), BoundarySelection::Side { leaves: vec![LeafId(6)], side: Some("x+".into()) });
+    let faults = read(&bundled("tour.ron").replace("side: \"yoke\"", "side: \"joke\"")).unwrap_err();
+    assert_eq!(faults[0].code, "unknown-side");
+    assert!(faults[0].hints[0].contains("yoke"), "{:?}", faults[0].hints);
+    assert!(faults[0].hints[1].contains("hole1_side1"), "{:?}", faults[0].hints);
+}
+
+#[test]
+fn hostile_scenes_end_with_an_error() {
+    let deep = |n: usize| of_solids("", &[&format!("{}Sphere(radius: 1){}", "Union([".repeat(n), "])".repeat(n))]);
+    assert_eq!(codes(&deep(100)), Vec::<&str>::new());
+    assert_eq!(codes(&deep(100_000)), ["too-deep"]);
+    let brackets = of_solids("", &[&"(".repeat(100_000)]);
+    assert_eq!(codes(&brackets), ["too-deep"]);
+    let sphere = format!("Sphere(radius: \"{}1\")", "(".repeat(100_000));
+    assert_eq!(codes(&of_solids("", &[&sphere])), ["expression"]);
+    // Names that multiply: 10^9 spheres in 30 lines.
+    let lines: Vec<String> =
+        (1..=9).map(|k| format!("\"s{k}\": Linear(count: 10, step: ({k}, 1, 0), solid: Use(\"s{}\"))", k - 1)).collect();
+    let solids = format!("solids: {{\"s0\": Sphere(radius: 1), {}}},", lines.join(", "));
+    assert_eq!(codes(&of_solids(&solids, &["Use(\"s9\")"])), ["scene-too-large"]);
+    let chain: Vec<String> = (1..2000).map(|k| format!("\"s{k}\": Union([Use(\"s{}\")])", k - 1)).collect();
+    let solids = format!("solids: {{\"s0\": Sphere(radius: 1), {}}},", chain.join(", "));
+    let faults = codes(&of_solids(&solids, &["Use(\"s1999\")"]));
+    assert!(!faults.is_empty() && faults.iter().all(|code| *code == "too-deep"), "{faults:?}");
+    let chain: Vec<String> = (1..5000).map(|k| format!("\"p{k:04}\": \"p{:04}\"", 5000 - k)).collect();
+    assert!(!codes(&of_solids(&format!("params: {{{}}},", chain.join(",")), &["Sphere(radius: 1)"])).is_empty());
+    for bad in ["", "Scene", "Scene(", "{}", "[1, 2]", "\u{feff}", "Scene(units: 5)", "Scene(units: \"mm\", parts: 3)"] {
+        assert!(read(bad).is_err(), "{bad}");
+    }
+}
+
+#[test]
+fn all_reference_scenes_have_the_parts_of_the_peers() {
+    for (name, parts, leaves) in [
+        ("prism_holes", 1, 3),
+        ("cone", 1, 1),
+        ("union_two_differences", 1, 4),
+        ("cylinders_union_difference", 1, 3),
+        ("three_cylinders", 1, 3),
+        ("transformer3", 9, 14),
+        ("machine", 21, 23),
+        ("team07", 3, 4),
+        ("sphere_grid", 2, 28),
+    ] {
+        let scene = scene(&bundled(&format!("{name}.ron")));
+        assert_eq!((scene.parts.len(), scene.leaves.len()), (parts, leaves), "{name}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+    /// Damaged scenes give a scene or errors, never a panic (which would be an internal error here).
+    #[test]
+    fn damaged_scenes_never_panic(cuts in prop::collection::vec((0usize..9000, 0usize..40, 0usize..9000, 0usize..40), 1..6)) {
+        let mut text: Vec<char> = bundled("tour.ron").chars().collect();
+        for (at, drop, from, take) in cuts {
+            let n = text.len();
+            let piece: Vec<char> = text[from.min(n)..(from + take).min(n)].to_vec();
+            text.splice(at.min(n)..(at + drop).min(n), piece);
+        }
+        let text: String = text.into_iter().collect();
+        if let Err(faults) = read(&text) {
+            prop_assert!(!faults.is_empty());
+            prop_assert!(faults.iter().all(|fault| fault.severity == Severity::Error), "{faults:?}");
+        }
+    }
+
+    /// Damaged expressions likewise, and a fault is always inside of the text.
+    #[test]
+    fn any_expression_ends(text in "[-+*/^() 0-9.,a-zµ_]{0,40}") {
+        let _ = length("\"a\": 1", &format!("{text:?}"));
+    }
+}
