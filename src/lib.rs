@@ -21,6 +21,7 @@ pub mod diag;
 pub mod evaluate;
 pub mod geom;
 pub mod ids;
+pub mod io;
 pub mod primitive;
 pub mod round;
 pub mod scene;
