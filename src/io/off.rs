@@ -78,6 +78,6 @@ mod tests {
         assert_eq!(fault("0 1 0", "0 1").line, 6);
         assert_eq!(fault("OFF 4 4", "4OFF 4 4").line, 2);
         assert!(fault("OFF 4 4", "OFF 4 4000000000000").message.contains("ends where a polygon"));
-        assert!(fault("OFF 4 4", "OFF 4000000000000 4").message.contains("coordinates"));
+        assert!(fault("OFF 4 4", "OFF 4000000000000 4").message.contains("ends where a point"));
     }
 }

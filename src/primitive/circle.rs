@@ -114,9 +114,4 @@ impl Circle {
     pub fn degrees_after(&self, from: &Breakpoint, by: f64) -> f64 {
         angle::canonical(from.degrees + self.sense * by)
     }
-
-    /// Degrees from the first breakpoint to the end.
-    pub fn sweep(&self) -> f64 {
-        if self.is_full { 360.0 } else { self.breakpoints.last().map_or(0.0, |b| b.along) }
-    }
 }

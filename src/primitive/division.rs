@@ -1,7 +1,7 @@
 //! How finely circles are divided, and the limits of what one leaf may ask for.
 
 use crate::diag::Diagnostic;
-use crate::scene::model::{Division, Leaf};
+use crate::scene::model::Division;
 use std::f64::consts::{PI, TAU};
 
 /// Chords per circle if a scene gives no rule: 0.86 % of the radius.
@@ -30,7 +30,7 @@ pub(crate) fn segments(division: &Division, radius: f64) -> Result<u32, Diagnost
     let wanted = wanted.unwrap_or(f64::from(DEFAULT_SEGMENTS));
     // A rule that means a whole number (max_angle: 15) must not give one more by rounding.
     let whole = (wanted * (1.0 - 1e-12)).ceil();
-    if !(whole <= f64::from(MAX_SEGMENTS)) {
+    if whole.is_nan() || whole > f64::from(MAX_SEGMENTS) {
         let message = format!("a circle of radius {radius} would be divided into {whole} segments, more than {MAX_SEGMENTS}");
         return Err(Diagnostic::error("too-many-segments", message).hint("allow a larger chord error or angle"));
     }
@@ -44,11 +44,6 @@ pub(crate) fn check_count(facets: f64) -> Result<(), Diagnostic> {
     }
     let message = format!("the solid would have {facets:.0} facets, more than the limit of {MAX_FACETS}");
     Err(Diagnostic::error("too-many-facets", message).hint("use fewer segments for its circles"))
-}
-
-/// How messages call a leaf.
-pub(crate) fn name_of(leaf: &Leaf) -> String {
-    leaf.name.as_ref().map_or_else(|| "this solid".into(), |n| format!("solid '{n}'"))
 }
 
 #[cfg(test)]

@@ -61,7 +61,7 @@ pub(crate) fn arcs(
     for segment in &path.segments {
         if let Some(arc) = &segment.arc {
             let radius = distance(arc.center, from);
-            if !(radius > 0.0) {
+            if radius <= 0.0 {
                 return Err(Diagnostic::error("bad-profile", "an arc has radius 0"));
             }
             let (start, sweep) = range_of(arc, from, segment.end);

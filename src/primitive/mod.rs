@@ -40,13 +40,13 @@ use solid::Solid;
 /// What a leaf wants divided.
 enum Request {
     Circles(Vec<CircleRequest>),
-    Ellipsoid(EllipsoidRequest),
+    Ellipsoid(Box<EllipsoidRequest>),
 }
 
 /// The divided circles of a leaf, or its ellipsoid.
 enum Divided {
     Circles(Vec<Circle>),
-    Ellipsoid(EllipsoidRequest),
+    Ellipsoid(Box<EllipsoidRequest>),
 }
 
 /// The solids of all leaves of a scene, in leaf order, in scene coordinates. The result does not depend on the number of
@@ -112,7 +112,7 @@ fn request(leaf: &Leaf) -> Result<Request, Diagnostic> {
         Primitive::PathSweep { frame, profile, path } => {
             Ok(Request::Circles(PathSweep { leaf, frame, profile, path }.requests()?))
         }
-        Primitive::Ellipsoid { center, radii } => Ok(Request::Ellipsoid(EllipsoidRequest::new(center, radii, leaf)?)),
+        Primitive::Ellipsoid { center, radii } => Ok(Request::Ellipsoid(Box::new(EllipsoidRequest::new(center, radii, leaf)?))),
         _ => Ok(Request::Circles(Vec::new())),
     }
 }
@@ -128,7 +128,7 @@ fn divide(requests: Vec<Request>, tolerance: f64) -> Vec<Divided> {
             }
             Request::Ellipsoid(e) => {
                 counts.push(None);
-                ellipsoids.push(e);
+                ellipsoids.push(*e);
             }
         }
     }
@@ -137,7 +137,7 @@ fn divide(requests: Vec<Request>, tolerance: f64) -> Vec<Divided> {
     let mut ellipsoids = ellipsoids.into_iter();
     let give = |count: Option<usize>| match count {
         Some(n) => Some(Divided::Circles(circles.by_ref().take(n).collect())),
-        None => ellipsoids.next().map(Divided::Ellipsoid),
+        None => ellipsoids.next().map(|e| Divided::Ellipsoid(Box::new(e))),
     };
     counts.into_iter().filter_map(give).collect()
 }

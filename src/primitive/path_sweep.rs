@@ -83,7 +83,7 @@ impl PathSweep<'_> {
         let (lo, hi) = bounds(&self.profile.outer);
         for turn in sweep.pieces.iter().filter_map(|p| p.turn.as_ref()) {
             let inner = turn.offset + turn.sense * if turn.sense > 0.0 { lo[0] } else { hi[0] };
-            if !(inner > 0.0) {
+            if inner <= 0.0 {
                 let message = format!("an arc of the path of radius {} is too tight for its profile", turn.offset);
                 return Err(Diagnostic::error("bad-path", message).hint("make its radius larger than the profile's reach"));
             }

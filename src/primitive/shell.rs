@@ -52,10 +52,8 @@ impl Shell {
         for &v in self.solid.facets.iter().flat_map(|f| f.loops.iter().flatten()) {
             number[v as usize] = Some(0);
         }
-        let mut next = 0;
-        for slot in number.iter_mut().flatten() {
-            *slot = next;
-            next += 1;
+        for (next, slot) in number.iter_mut().flatten().enumerate() {
+            *slot = next as u32;
         }
         let mut is_used = number.iter().map(Option::is_some);
         self.solid.vertices.retain(|_| is_used.next().unwrap_or(true));
