@@ -1,5 +1,111 @@
-//! Files: one module per format, and safe writing.
+//! Files: one module per format, and safe writing. Readers of imported surfaces yield a [`PolygonMesh`]; they trust nothing that a file declares.
 
 pub mod atomic;
 pub mod manifest;
+pub mod obj;
+pub mod off;
 pub mod poly;
+pub mod stl;
+
+use crate::diag::Diagnostic;
+use std::path::Path;
+
+/// Largest surface file: what is longer has more facets than a leaf may have.
+const MAX_FILE_BYTES: u64 = 1 << 30;
+
+/// Polygons over numbered points, as a file gives them: nothing is welded, checked or oriented.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct PolygonMesh {
+    /// Points, finite, in the file's unit.
+    pub points: Vec<[f64; 3]>,
+    /// Point numbers of each polygon, all in range, at least three.
+    pub polygons: Vec<Vec<u32>>,
+    /// For each polygon, its group.
+    pub group_of: Vec<u32>,
+    /// Names of the groups; a file without groups has one, `surface`.
+    pub groups: Vec<String>,
+}
+
+/// The format of a surface file.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum SurfaceFormat {
+    /// Wavefront, `.obj`.
+    Obj,
+    /// Geomview, `.off`.
+    Off,
+    /// Stereolithography, `.stl`, text or binary: coordinates are single precision and every triangle has its own points.
+    Stl,
+}
+
+impl SurfaceFormat {
+    /// By the file name's extension.
+    pub fn of(path: &Path) -> Option<Self> {
+        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+            "obj" => Some(Self::Obj),
+            "off" => Some(Self::Off),
+            "stl" => Some(Self::Stl),
+            _ => None,
+        }
+    }
+}
+
+/// Reads a surface file; the format goes by the extension.
+///
+/// # Errors
+/// If the file is missing, too long, of an unknown format or malformed, with its name and line.
+pub fn read_surface(path: &Path) -> Result<PolygonMesh, Diagnostic> {
+    let name = path.display();
+    let Some(format) = SurfaceFormat::of(path) else {
+        return Err(
+            Diagnostic::error("unknown-format", format!("{name}: unknown kind of surface file")).hint("use .obj, .off or .stl")
+        );
+    };
+    let cannot = |e: std::io::Error| Diagnostic::error("unreadable-file", format!("{name}: {e}"));
+    let length = std::fs::metadata(path).map_err(cannot)?.len();
+    if length > MAX_FILE_BYTES {
+        return Err(Diagnostic::error("too-large-file", format!("{name}: {length} bytes, more than {MAX_FILE_BYTES}")));
+    }
+    let bytes = std::fs::read(path).map_err(cannot)?;
+    let text = || String::from_utf8_lossy(&bytes);
+    let mesh = match format {
+        SurfaceFormat::Obj => obj::read(&text()),
+        SurfaceFormat::Off => off::read(&text()),
+        SurfaceFormat::Stl => stl::read(&bytes),
+    };
+    mesh.map_err(|e| Diagnostic::error("malformed-file", e.in_file(path)))
+}
+
+/// What is wrong with a file.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct FormatError {
+    /// Line, from 1; 0 if not known.
+    pub line: usize,
+    /// What is wrong.
+    pub message: String,
+}
+
+impl FormatError {
+    pub(crate) fn new(line: usize, message: impl Into<String>) -> Self {
+        Self { line, message: message.into() }
+    }
+    /// `file:line: message`.
+    fn in_file(&self, path: &Path) -> String {
+        match self.line {
+            0 => format!("{}: {}", path.display(), self.message),
+            line => format!("{}:{line}: {}", path.display(), self.message),
+        }
+    }
+}
+
+/// Three coordinates from the words of a line.
+pub(crate) fn coordinates<'a>(mut words: impl Iterator<Item = &'a str>, line: usize) -> Result<[f64; 3], FormatError> {
+    let mut point = [0f64; 3];
+    for x in &mut point {
+        let word = words.next().ok_or_else(|| FormatError::new(line, "three coordinates are expected"))?;
+        *x = word.parse().map_err(|_| FormatError::new(line, format!("'{word}' is not a number")))?;
+        if !x.is_finite() {
+            return Err(FormatError::new(line, format!("coordinate '{word}' is not finite")));
+        }
+    }
+    Ok(point)
+}

@@ -1,0 +1,83 @@
+//! Geomview's OFF in text form: header, counts, points, polygons; comments from `#`. Colours, normals and texture
+//! coordinates are passed over.
+
+use super::{FormatError, PolygonMesh, coordinates};
+
+/// Reads the text of an OFF file.
+///
+/// # Errors
+/// With the line: unknown header, missing lines, bad numbers, point numbers out of range.
+pub fn read(text: &str) -> Result<PolygonMesh, FormatError> {
+    let mut lines = text
+        .lines()
+        .enumerate()
+        .map(|(k, line)| (k + 1, line.split('#').next().unwrap_or("").trim()))
+        .filter(|(_, line)| !line.is_empty());
+    let mut next =
+        |what: &str| lines.next().ok_or_else(|| FormatError::new(0, format!("the file ends where {what} is expected")));
+    let (line, header) = next("the header 'OFF'")?;
+    let (keyword, rest) = header.split_once(char::is_whitespace).unwrap_or((header, ""));
+    // Prefixes: texture coordinates, colours, normals; these follow the coordinates.
+    if !matches!(keyword, "OFF" | "COFF" | "NOFF" | "CNOFF" | "STOFF" | "STCOFF" | "STNOFF" | "STCNOFF") {
+        return Err(FormatError::new(line, format!("'{keyword}' is not a header of a text OFF file in three dimensions")));
+    }
+    let (line, counts) = if rest.trim().is_empty() { next("the line of counts")? } else { (line, rest) };
+    let counts: Vec<usize> = counts
+        .split_whitespace()
+        .map(|w| w.parse().map_err(|_| FormatError::new(line, format!("'{w}' is not a count"))))
+        .collect::<Result<_, _>>()?;
+    let [points, polygons, ..] = counts[..] else {
+        return Err(FormatError::new(line, "the numbers of points and polygons are expected"));
+    };
+    let mut mesh = PolygonMesh { groups: vec!["surface".into()], ..Default::default() };
+    for _ in 0..points {
+        let (line, words) = next("a point")?;
+        mesh.points.push(coordinates(words.split_whitespace(), line)?);
+    }
+    for _ in 0..polygons {
+        let (line, words) = next("a polygon")?;
+        let mut numbers = words
+            .split_whitespace()
+            .map(|w| w.parse::<usize>().map_err(|_| FormatError::new(line, format!("'{w}' is not a point number"))));
+        let size = numbers.next().unwrap_or(Ok(0))?;
+        let polygon = numbers
+            .take(size)
+            .map(|v| match v {
+                Ok(v) if v < points => Ok(v as u32),
+                Ok(v) => Err(FormatError::new(line, format!("point {v} does not exist: there are {points}, from 0"))),
+                Err(e) => Err(e),
+            })
+            .collect::<Result<Vec<u32>, _>>()?;
+        if polygon.len() < size || size < 3 {
+            return Err(FormatError::new(line, "a polygon needs as many point numbers as it says, at least three"));
+        }
+        mesh.polygons.push(polygon);
+        mesh.group_of.push(0);
+    }
+    Ok(mesh)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TETRAHEDRON: &str =
+        "# by hand\nOFF 4 4 0\n0 0 0 # origin\n1 0 0\n\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3 255 0 0\n3 0 3 2\n3 1 2 3\n";
+
+    #[test]
+    fn counts_beside_the_header_comments_and_colours() {
+        let mesh = read(TETRAHEDRON).unwrap();
+        assert_eq!((mesh.points.len(), &mesh.polygons[1]), (4, &vec![0, 1, 3]));
+    }
+
+    #[test]
+    fn faults_name_their_line() {
+        let fault = |from: &str, to: &str| read(&TETRAHEDRON.replace(from, to)).unwrap_err();
+        assert_eq!(fault("3 0 3 2", "3 0 7 2").line, 10);
+        assert_eq!(fault("1 0 0", "1 nan 0").line, 4);
+        assert_eq!(fault("0 1 0", "0 1").line, 6);
+        assert_eq!(fault("OFF 4 4", "4OFF 4 4").line, 2);
+        assert!(fault("OFF 4 4", "OFF 4 4000000000000").message.contains("ends where a polygon"));
+        assert!(fault("OFF 4 4", "OFF 4000000000000 4").message.contains("ends where a point"));
+    }
+}
