@@ -15,7 +15,7 @@
 
 use super::complex::ComplexVertex;
 use super::model::Brep;
-use super::store::EdgeId;
+use super::store::{EdgeId, FinId};
 use crate::ids::{FacetId, VertexId};
 
 /// Why a local change is impossible.
@@ -76,40 +76,97 @@ pub struct Swap {
     pub facets: [FacetId; 2],
 }
 
-/* signatures, bodies follow:
-
 impl Brep {
-    /// Puts a vertex into an edge. Facets around it for which `divide` holds and which are single triangles are cut in two
-    /// from the new vertex to the opposite corner (MEF); all others get one more corner, and their triangulation is cut
-    /// instead. Always possible. Euler operators: one MEV, one MEF per divided facet.
-    pub fn split_edge(&mut self, edge: EdgeId, vertex: ComplexVertex, divide: impl Fn(&Self, FacetId) -> bool) -> Touched;
+    /// Whether an edge is part of a feature curve: it has not exactly two facets, or they differ in surface, marker or regions.
+    pub fn is_feature(&self, edge: EdgeId) -> bool {
+        let mut ring = self.topology.fins_around(edge);
+        let (Some(f), Some(g), None) = (ring.next(), ring.next(), ring.next()) else { return true };
+        let [a, b] = [f, g].map(|fin| self.topology.facet_of(fin));
+        let [mut here, there] = [a, b].map(|facet| self.topology.sides(facet));
+        if self.topology.is_along(f) == self.topology.is_along(g) {
+            here.reverse();
+        }
+        let [da, db] = [&self.facets[a], &self.facets[b]];
+        a == b || here != there || da.surface != db.surface || da.marker != db.marker
+    }
 
-    /// Whether `edge` can be contracted onto its other end so that `gone` disappears, and what that would do.
-    pub fn plan_collapse(&self, edge: EdgeId, gone: VertexId) -> Result<Collapse, Refusal>;
-    /// Contracts an edge: one KEV, one KEF per triangle at the edge. The kept vertex does not move.
-    pub fn collapse(&mut self, plan: &Collapse) -> Touched;
+    /// Puts a vertex into an edge. Facets around it for which `divide` holds and which are single triangles are cut in two from
+    /// the new vertex to the opposite corner; all others get one more corner, and their triangulation is cut instead. Always
+    /// possible. Euler operators: one MEV, one MEF per divided facet.
+    pub fn split_edge(&mut self, edge: EdgeId, vertex: ComplexVertex, divide: impl Fn(&Self, FacetId) -> bool) -> Touched {
+        let (half, new) = self.topology.mev_in_edge(edge);
+        self.set_vertex(new, vertex);
+        let mut touched = Touched { vertex: Some(new), edges: vec![edge, half], ..Touched::default() };
+        let pieces: Vec<FinId> = self.topology.fins_around(half).collect();
+        for piece in pieces {
+            let facet = self.topology.facet_of(piece);
+            touched.facets.push(facet);
+            // The corner at the new vertex.
+            let along = self.topology.is_along(piece);
+            let corner = if along { piece } else { self.topology.next_fin(piece) };
+            let opposite = self.topology.next_fin(self.topology.next_fin(corner));
+            let is_whole = self.facets[facet].tiles.is_empty();
+            if is_whole && divide(self, facet) {
+                if let Ok((cut, part)) = self.topology.mef(corner, opposite) {
+                    self.set_facet(part, self.facets[facet].clone());
+                    touched.edges.push(cut);
+                    touched.facets.push(part);
+                }
+                continue;
+            }
+            let [from, to] = [self.topology.prev_fin(corner), corner];
+            let ends = [self.topology.fin_ends(from)[0], self.topology.fin_ends(to)[1]];
+            if is_whole {
+                let apex = self.topology.fin_ends(opposite)[0];
+                self.facets[facet].tiles.push([ends[0], ends[1], apex]);
+            }
+            split_tile(&mut self.facets[facet].tiles, ends, new);
+        }
+        touched
+    }
 
     /// Whether the edge can be replaced by the other diagonal of its two triangles.
-    pub fn plan_swap(&self, edge: EdgeId) -> Result<Swap, Refusal>;
-    /// Swaps the edge: KEF, MEF.
-    pub fn swap(&mut self, plan: &Swap) -> Touched;
+    ///
+    /// # Errors
+    /// `Feature`, `NotTriangles`, `EdgeExists`.
+    pub fn plan_swap(&self, edge: EdgeId) -> Result<Swap, Refusal> {
+        if self.is_feature(edge) {
+            return Err(Refusal::Feature);
+        }
+        let topology = &self.topology;
+        let fins: Vec<FinId> = topology.fins_around(edge).collect();
+        let facets = [fins[0], fins[1]].map(|fin| topology.facet_of(fin));
+        let is_turned = topology.is_along(fins[0]) == topology.is_along(fins[1]);
+        if is_turned || facets.iter().any(|&facet| topology.triangle(facet).is_none()) {
+            return Err(Refusal::NotTriangles);
+        }
+        let opposite = [fins[0], fins[1]].map(|fin| topology.fin_ends(topology.prev_fin(fin))[0]);
+        if opposite[0] == opposite[1] || topology.edge_between(opposite[0], opposite[1]).is_some() {
+            return Err(Refusal::EdgeExists);
+        }
+        Ok(Swap { edge, ends: topology.fin_ends(fins[0]), opposite, facets })
+    }
 
-    /// Cuts a polygon into the triangles kept beside it (MEF, MEKL): what a strip of a curved side needs before remeshing.
-    pub fn divide_facet(&mut self, facet: FacetId) -> Touched;
-    /// Triangles of `facet` if `gone` were replaced by `kept` (equal ids: as it is) and vertices were where `at` says.
-    pub fn triangulation_if(&self, facet: FacetId, gone: VertexId, kept: VertexId, at: impl Fn(VertexId) -> Vec3)
-        -> Result<Vec<[VertexId; 3]>, PolygonError>;
-    /// Renews the triangulation kept beside a polygon from the present positions.
-    pub fn retriangulate(&mut self, facet: FacetId) -> Result<(), PolygonError>;
-
-    /// Whether an edge is part of a feature curve: not exactly two facets, or they differ in surface, marker or regions.
-    pub fn is_feature(&self, edge: EdgeId) -> bool;
+    /// Swaps the edge: KEF, MEF. Edge and facets keep their ids.
+    pub fn swap(&mut self, plan: &Swap) -> Touched {
+        let topology = &mut self.topology;
+        let fins: Vec<FinId> = topology.fins_around(plan.edge).collect();
+        let [kept, gone] = [fins[0], fins[1]];
+        let [at_c, at_d] = [kept, gone].map(|fin| topology.prev_fin(fin));
+        let done = topology.kef(gone).and_then(|()| topology.mef(at_c, at_d));
+        debug_assert_eq!(done, Ok((plan.edge, plan.facets[1])), "stale plan");
+        Touched { facets: plan.facets.to_vec(), edges: vec![plan.edge], ..Touched::default() }
+    }
 }
-*/
 
-/* navigation (walk.rs), on brep.topology:
-   vertices() edges() facets() -> iterators of live ids;  ends(edge) -> [VertexId; 2];  edge_between(a, b) -> Option<EdgeId>
-   edges_at(v) -> iter EdgeId;  facets_at(v) -> iter FacetId (a facet once per corner);  facets_around(edge) -> iter FacetId in
-   radial order;  loops(facet) -> iter LoopId (outer first);  corners(loop) -> iter VertexId;  triangle(facet) -> Option<[VertexId; 3]>
-   regions(facet) -> [RegionId; 2] (in front, behind)
-   brep.triangles(facet) -> &[[VertexId; 3]]-like iterator;  brep.facets[f].{surface, marker, source, is_modified} */
+/// Cuts the triangle at the directed edge `ends` in two at `vertex`.
+fn split_tile(tiles: &mut Vec<[VertexId; 3]>, ends: [VertexId; 2], vertex: VertexId) {
+    for k in 0..tiles.len() {
+        let [a, b, c] = tiles[k];
+        if let Some([a, b, c]) = [[a, b, c], [b, c, a], [c, a, b]].into_iter().find(|t| t[..2] == ends) {
+            tiles[k] = [a, vertex, c];
+            tiles.push([vertex, b, c]);
+            return;
+        }
+    }
+}
