@@ -13,3 +13,10 @@ mod splice;
 pub mod store;
 mod tiles;
 pub mod walk;
+
+#[cfg(test)]
+mod local_tests;
+#[cfg(test)]
+mod samples;
+#[cfg(test)]
+mod tests;

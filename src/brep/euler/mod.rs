@@ -25,6 +25,8 @@
 mod edge;
 mod face;
 mod region;
+#[cfg(test)]
+mod tests;
 mod vertex;
 
 pub use region::Apart;
