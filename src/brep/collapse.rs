@@ -60,7 +60,8 @@ impl Brep {
         if is_free && self.topology.lone_fins(gone).next().is_none() { Ok(()) } else { Err(Refusal::Feature) }
     }
 
-    /// A facet at both ends must be at the edge, and come once to each end: otherwise its loops would touch themselves.
+    /// A facet at both ends must be at the edge, and touch itself no more often afterwards: of its corners at the two ends, those
+    /// joined by the edge become one. (It is at the edge twice if the edge, or a chain that it belongs to, lies inside it.)
     fn check_common(&self, edge: EdgeId, gone: VertexId, kept: VertexId) -> Result<(), Refusal> {
         let sorted = |iter: &mut dyn Iterator<Item = FacetId>| {
             let mut facets: Vec<FacetId> = iter.collect();
@@ -70,10 +71,9 @@ impl Brep {
         let [here, there] = [gone, kept].map(|v| sorted(&mut self.topology.facets_at(v)));
         let around = sorted(&mut self.topology.facets_around(edge));
         let times = |list: &[FacetId], facet| list.partition_point(|&f| f <= facet) - list.partition_point(|&f| f < facet);
-        let is_fine = here.iter().all(|&facet| match times(&there, facet) {
-            0 => true,
-            1 => times(&here, facet) == 1 && times(&around, facet) == 1,
-            _ => false,
+        let is_fine = here.iter().all(|&facet| {
+            let (h, t, joined) = (times(&here, facet), times(&there, facet), times(&around, facet));
+            t == 0 || joined > 0 && h + t <= joined + h.max(t)
         });
         if is_fine { Ok(()) } else { Err(Refusal::Link) }
     }

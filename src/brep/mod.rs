@@ -15,6 +15,8 @@ mod tiles;
 pub mod walk;
 
 #[cfg(test)]
+mod bench;
+#[cfg(test)]
 mod local_tests;
 #[cfg(test)]
 mod samples;
