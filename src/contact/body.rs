@@ -1,6 +1,6 @@
 //! The leaves under one numbering of facets, over welded points.
 
-use super::weld::{self, PointGrid};
+use super::weld::{self, PointGrid, Welded};
 use crate::diag::Outcome;
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
@@ -37,6 +37,16 @@ impl<'a> Body<'a> {
         let floor = SMALLEST_TOLERANCE_ULPS * f64::EPSILON * reach.max(f64::MIN_POSITIVE);
         let tolerances: Vec<f64> =
             (0..solids.len()).map(|k| own.get(k).copied().flatten().unwrap_or(tolerance).max(floor)).collect();
+        let welded = weld::weld(solids, &tolerances, names)?;
+        Ok(Self::with(solids, tolerances, welded))
+    }
+    /// Numbers facets; every vertex stays a point of its own.
+    pub fn apart(solids: &'a [Solid], tolerance: f64) -> Self {
+        let points: Vec<Vec3> = solids.iter().flat_map(|s| &s.vertices).map(|v| v.point).collect();
+        let point_of_vertex = (0..points.len() as u32).collect();
+        Self::with(solids, vec![tolerance; solids.len()], Welded { points, point_of_vertex, grid: PointGrid::default() })
+    }
+    fn with(solids: &'a [Solid], tolerances: Vec<f64>, welded: Welded) -> Self {
         let (mut first_facet, mut first_vertex) = (vec![0], vec![0]);
         let mut leaf_of_facet = Vec::with_capacity(solids.iter().map(|s| s.facets.len()).sum());
         for (k, solid) in solids.iter().enumerate() {
@@ -44,17 +54,8 @@ impl<'a> Body<'a> {
             first_facet.push(leaf_of_facet.len() as u32);
             first_vertex.push(first_vertex[k] + solid.vertices.len() as u32);
         }
-        let welded = weld::weld(solids, &tolerances, names)?;
-        Ok(Self {
-            solids,
-            tolerances,
-            first_facet,
-            leaf_of_facet,
-            first_vertex,
-            point_of_vertex: welded.point_of_vertex,
-            points: welded.points,
-            grid: welded.grid,
-        })
+        let Welded { points, point_of_vertex, grid } = welded;
+        Self { solids, tolerances, first_facet, leaf_of_facet, first_vertex, point_of_vertex, points, grid }
     }
 
     /// The tolerance between two leaves: the coarser of theirs.

@@ -144,10 +144,13 @@ impl EdgeSet {
             edge.inserted.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         }
     }
-    /// All points of an edge with their parameters.
-    pub fn chain(&self, edge: u32) -> impl Iterator<Item = (f64, u32)> + '_ {
+    /// The points of an edge, ends included, whose parameters are in a closed range.
+    pub fn points_between(&self, edge: u32, [lo, hi]: [f64; 2]) -> impl Iterator<Item = u32> + '_ {
         let Edge { ends, inserted } = &self.edges[edge as usize];
-        std::iter::once((0.0, ends[0])).chain(inserted.iter().copied()).chain(std::iter::once((1.0, ends[1])))
+        let first = inserted.partition_point(|i| i.0 < lo);
+        let last = first + inserted[first..].partition_point(|i| i.0 <= hi);
+        let start = (lo <= 0.0).then_some(ends[0]);
+        start.into_iter().chain(inserted[first..last].iter().map(|i| i.1)).chain((hi >= 1.0).then_some(ends[1]))
     }
     /// The loops of an active facet with everything inserted.
     pub fn expand(&self, loops: &[Vec<u32>]) -> Vec<Vec<u32>> {

@@ -12,6 +12,8 @@
 //! 5. [`cells`]: each sheet is one constrained triangulation, cut along its edges into cells, each with the facets that cover it.
 //! 6. [`assemble`]: the same cell from two sheets is one cell. [`verify`]: every leaf is still what it was.
 //!
+//! [`nearly_touching`] finds the gaps that are left and were hardly meant.
+//!
 //! Sheets, and not pairs of facets, keep the cost at that of the result: where the caps of 200 turned cubes coincide, their
 //! 159200 crossings are found, triangulated and walked once, not once for every cap.
 //!
@@ -25,12 +27,15 @@ mod cells;
 pub mod conforming;
 mod crossings;
 mod edges;
+mod gaps;
 mod outline;
 mod sheets;
 #[cfg(test)]
 mod tests;
 mod verify;
 mod weld;
+
+pub use gaps::{GAP, Gap, nearly_touching};
 
 use crate::diag::Outcome;
 use crate::ids::LeafId;

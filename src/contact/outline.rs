@@ -1,6 +1,5 @@
 //! Facets near a contact as planar figures: plane, outline with everything inserted, and what lies on them.
 
-use super::body::Body;
 use super::edges::EdgeSet;
 use crate::geom::Vec3;
 use crate::geom::polygon::vector_area;
@@ -16,6 +15,8 @@ pub(super) struct Outline {
     pub projection: Projection,
     /// Loops as points, with everything inserted into the edges.
     pub loops: Vec<Vec<u32>>,
+    /// Loops as they came. What is not on the outline is further from it than the tolerance, hence inside both or neither.
+    frame: Vec<Vec<u32>>,
     /// Edges of the loops, lower point first, sorted.
     sides: Vec<[u32; 2]>,
     /// Points of the loops, sorted.
@@ -23,13 +24,13 @@ pub(super) struct Outline {
 }
 
 impl Outline {
-    /// Of an active facet after all edges have been cut; the plane is that of the facet as it came.
-    pub fn new(body: &Body, set: &EdgeSet, facet: u32) -> Self {
-        let corners = body.loops(facet);
-        let loops = set.expand(&corners);
-        let vector = vector_area(corners.iter().map(Vec::as_slice), &body.points);
+    /// Of a facet as it came, whose loops `corners` give the plane; with `set`, with everything inserted into its edges.
+    pub fn new(facet: u32, corners: Vec<Vec<u32>>, set: Option<&EdgeSet>, points: &[Vec3]) -> Self {
+        let vector = vector_area(corners.iter().map(Vec::as_slice), points);
         let area = vector.norm();
         let normal = if area > 0.0 { vector / area } else { Vec3::zeros() };
+        let origin = corners.first().and_then(|w| w.first()).map_or(Vec3::zeros(), |&v| points[v as usize]);
+        let loops = set.map_or(corners.clone(), |s| s.expand(&corners));
         let mut sides: Vec<[u32; 2]> = sides(&loops).map(|[a, b]| [a.min(b), a.max(b)]).collect();
         sides.sort_unstable();
         let mut sorted: Vec<u32> = loops.iter().flatten().copied().collect();
@@ -37,10 +38,11 @@ impl Outline {
         Self {
             facet,
             normal,
-            origin: corners.first().and_then(|w| w.first()).map_or(Vec3::zeros(), |&v| body.points[v as usize]),
+            origin,
             area,
             projection: Projection::along(&normal),
             loops,
+            frame: corners,
             sides,
             corners: sorted,
         }
@@ -62,7 +64,7 @@ impl Outline {
         let flat = |v: u32| self.projection.apply(&points[v as usize]);
         let q = self.projection.apply(p);
         let mut is_inside = false;
-        for [a, b] in sides(&self.loops) {
+        for [a, b] in sides(&self.frame) {
             let (a, b) = (flat(a), flat(b));
             if (a[1] > q[1]) != (b[1] > q[1]) && (orient2d(a, b, q) > 0) == (b[1] > a[1]) {
                 is_inside = !is_inside;

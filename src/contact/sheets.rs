@@ -49,9 +49,9 @@ pub(super) fn gather(body: &Body, set: &mut EdgeSet, pairs: &[[u32; 2]], names: 
     let mut slot = vec![u32::MAX; body.facet_count()];
     active.iter().enumerate().for_each(|(k, &f)| slot[f as usize] = k as u32);
     let outlines: Vec<Outline> = if active.len() >= PARALLEL_FROM {
-        active.par_iter().map(|&f| Outline::new(body, set, f)).collect()
+        active.par_iter().map(|&f| Outline::new(f, body.loops(f), Some(set), &body.points)).collect()
     } else {
-        active.iter().map(|&f| Outline::new(body, set, f)).collect()
+        active.iter().map(|&f| Outline::new(f, body.loops(f), Some(set), &body.points)).collect()
     };
     let pairs: Vec<[u32; 2]> = pairs.iter().map(|p| p.map(|f| slot[f as usize])).collect();
     let (mut sheets, sheet_of) = group(body, &outlines, &pairs);
@@ -177,7 +177,7 @@ fn land(body: &Body, set: &EdgeSet, from: &Outline, onto: &Outline, slot: u32, f
             continue;
         }
         let mut previous: Option<(u32, bool)> = None;
-        for (_, v) in set.chain(edge) {
+        for v in set.points_between(edge, near_plane(ends, CHAIN_REACH * tolerance)) {
             let h = height(v).abs();
             let is_corner = onto.has_corner(v);
             let is_inside = !is_corner
@@ -199,6 +199,14 @@ fn land(body: &Body, set: &EdgeSet, from: &Outline, onto: &Outline, slot: u32, f
             previous = is_on.then_some((v, is_inside));
         }
     }
+}
+
+/// Parameters between which an edge whose ends have these heights may have points within `reach` of the plane. Points lie up
+/// to half of `reach` beside their edge.
+fn near_plane([from, to]: [f64; 2], reach: f64) -> [f64; 2] {
+    let at = |h: f64| (h - from) / (to - from);
+    let (a, b) = (at(-1.5 * reach), at(1.5 * reach));
+    if a.is_finite() && b.is_finite() { [a.min(b), a.max(b)] } else { [0.0, 1.0] }
 }
 
 /// Whether the segment between two points of the outline runs inside it.

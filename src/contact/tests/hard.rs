@@ -1,5 +1,6 @@
 //! Cases that break engines, and refusals.
 
+use super::super::nearly_touching;
 use super::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -121,4 +122,24 @@ fn threads_do_not_matter() {
         pool.install(|| format!("{:?}", try_conform(&cubes, 1e-9).unwrap()))
     };
     assert_eq!(run(1), run(2));
+}
+
+#[test]
+fn small_gaps_are_told() {
+    let (a, b) = (block([0.0; 3], [4.0; 3]), [4.0 + 5e-8, 1.0, 1.0]);
+    let gaps = |solids: &[Solid]| nearly_touching(solids, &try_conform(solids, 1e-9).unwrap());
+    for turn in [Rotation3::identity(), rotation(2)] {
+        let found = gaps(&[a.clone(), block(b, [5.0, 2.0, 2.0])].map(|s| moved(&s, |p| turn * p)));
+        assert_eq!((found.len(), found[0].leaves), (1, [LeafId(0), LeafId(1)]));
+        assert!((found[0].distance - 5e-8).abs() < 1e-14);
+    }
+    let crossed = moved(&prism(4, 1.0, [-1.0, 1.0], 0.4, [0.0; 2]), |p| rotation(2) * p + Vec3::new(4.0, 2.0, 2.0));
+    for other in [block([4.0, 1.0, 1.0], [5.0; 3]), block([4.0 + 2e-7, 1.0, 1.0], [5.0; 3]), crossed] {
+        assert_eq!(gaps(&[a.clone(), other]), []);
+    }
+    let over_edge = moved(&block([0.0; 3], [1.0; 3]), |p| {
+        Rotation3::from_axis_angle(&nalgebra::Vector3::x_axis(), 0.7) * (p - Vec3::new(0.5, 0.0, 0.0))
+            + Vec3::new(4.0, 2.0, 4.0 + 2e-8)
+    });
+    assert!((gaps(&[a, over_edge])[0].distance - 2e-8).abs() < 1e-14);
 }

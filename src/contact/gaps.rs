@@ -1,0 +1,119 @@
+//! Leaves that come near each other without touching: most likely they were meant to touch.
+
+use super::body::Body;
+use super::candidates::facet_pairs;
+use super::conforming::Conforming;
+use super::outline::{Outline, sides};
+use crate::geom::Vec3;
+use crate::ids::LeafId;
+use crate::primitive::solid::Solid;
+use std::collections::BTreeMap;
+
+/// Gaps up to this many tolerances are suspicious: whoever wants a gap writes one that a mesh can resolve.
+pub const GAP: f64 = 100.0;
+
+/// Two leaves that come near without touching or crossing.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Gap {
+    /// The leaves, the earlier first.
+    pub leaves: [LeafId; 2],
+    /// Their distance, in the scene's unit.
+    pub distance: f64,
+    /// A place of that distance, on one of them.
+    pub place: Vec3,
+}
+
+/// All pairs of leaves that come nearer than [`GAP`] tolerances without touching or crossing, in ascending order, for the
+/// solids that `conforming` was made from. Whether they belong to one part is the caller's to know. O(n log n + pairs of facets).
+pub fn nearly_touching(solids: &[Solid], conforming: &Conforming) -> Vec<Gap> {
+    let body = Body::apart(solids, conforming.tolerance);
+    let reach = GAP * conforming.tolerance;
+    let pairs = facet_pairs(&body, |_, _| reach);
+    let touching = touching(conforming);
+    // None: they cross, so that nothing counts any more.
+    let mut gaps: BTreeMap<[u32; 2], Option<Gap>> = BTreeMap::new();
+    for pair in &pairs {
+        let leaves = pair.map(|f| body.leaf_of_facet[f as usize]);
+        if touching.binary_search(&leaves).is_ok() || gaps.get(&leaves).is_some_and(Option::is_none) {
+            continue;
+        }
+        let [f, g] = pair.map(|f| Outline::new(f, body.loops(f), None, &body.points));
+        match distance(&f, &g, &body.points) {
+            None => {
+                gaps.insert(leaves, None);
+            }
+            Some((distance, place)) if distance <= reach => {
+                let found = Some(Gap { leaves: leaves.map(LeafId), distance, place });
+                let known = gaps.entry(leaves).or_insert(found);
+                if known.is_some_and(|k| k.distance > distance) {
+                    *known = found;
+                }
+            }
+            Some(_) => {}
+        }
+    }
+    gaps.into_values().flatten().collect()
+}
+
+/// Pairs of leaves that have a point in common, sorted.
+fn touching(conforming: &Conforming) -> Vec<[u32; 2]> {
+    let mut uses: Vec<(u32, u32)> = Vec::new();
+    for (t, &cell) in conforming.triangles.iter().zip(&conforming.cell_of_triangle) {
+        for owner in &conforming.cells[cell as usize].owners {
+            uses.extend(t.map(|v| (v, owner.leaf.0)));
+        }
+    }
+    uses.sort_unstable();
+    uses.dedup();
+    let mut pairs = Vec::new();
+    for at in uses.chunk_by(|a, b| a.0 == b.0) {
+        for (k, a) in at.iter().enumerate() {
+            pairs.extend(at[k + 1..].iter().map(|b| [a.1, b.1]));
+        }
+    }
+    pairs.sort_unstable();
+    pairs.dedup();
+    pairs
+}
+
+/// Distance of two planar facets and a place of it, or `None` if they cross.
+fn distance(f: &Outline, g: &Outline, points: &[Vec3]) -> Option<(f64, Vec3)> {
+    let mut best = (f64::INFINITY, Vec3::zeros());
+    let mut improve = |d: f64, place: Vec3| {
+        if d < best.0 {
+            best = (d, place);
+        }
+    };
+    for (from, onto) in [(f, g), (g, f)] {
+        for side in sides(&from.loops) {
+            let [a, b] = side.map(|v| points[v as usize]);
+            let [h, k] = [a, b].map(|p| onto.height(&p));
+            if (h > 0.0) != (k > 0.0) && onto.encloses(&(a + (b - a) * (h / (h - k))), points) {
+                return None;
+            }
+            if onto.encloses(&a, points) {
+                improve(h.abs(), a);
+            }
+        }
+    }
+    for mine in sides(&f.loops) {
+        let p = mine.map(|v| points[v as usize]);
+        for yours in sides(&g.loops) {
+            let (d, place) = between_segments(&p, &yours.map(|v| points[v as usize]));
+            improve(d, place);
+        }
+    }
+    Some(best)
+}
+
+/// Distance of two segments and a place of it on the first (Ericson 2005, 5.1.9).
+fn between_segments(p: &[Vec3; 2], q: &[Vec3; 2]) -> (f64, Vec3) {
+    let (d, e, r) = (p[1] - p[0], q[1] - q[0], p[0] - q[0]);
+    let (a, b, c, f) = (d.norm_squared(), d.dot(&e), e.norm_squared(), e.dot(&r));
+    let area = d.cross(&e).norm_squared();
+    let s = if area > 0.0 { ((b * f - d.dot(&r) * c) / area).clamp(0.0, 1.0) } else { 0.0 };
+    let t = ((b * s + f) / c).clamp(0.0, 1.0);
+    let s = ((b * t - d.dot(&r)) / a).clamp(0.0, 1.0);
+    let place = p[0] + d * s;
+    ((place - (q[0] + e * t)).norm(), place)
+}
