@@ -35,9 +35,9 @@ use crate::classify;
 use crate::contact::{self, conforming::Conforming};
 use crate::diag::{Diagnostic, Outcome};
 use crate::geom::aabb::Aabb;
+use crate::ids::LeafId;
 use crate::primitive::solid::Solid;
 use crate::round::{self, Rounded};
-use crate::ids::LeafId;
 use crate::scene::model::{Node, Scene};
 use crate::select;
 
@@ -88,7 +88,8 @@ pub fn evaluate_conforming(scene: &Scene, solids: &[Solid], conforming: &Conform
     match round::round(&selected, &arrangement, solids, conforming.tolerance, size).map_err(single)? {
         Rounded::Valid(complex) => Ok(Evaluation { complex, statistics: arrangement.statistics, repairs: 0 }),
         Rounded::Broken { violations, .. } => {
-            let text = format!("rounding breaks the complex in at least {} places ({:?})", violations.len(), violations[0].kind);
+            let text =
+                format!("rounding breaks the complex in at least {} places ({:?})", violations.len(), violations[0].kind);
             Err(vec![Diagnostic::internal("rounding", text).near(violations[0].point)])
         }
     }

@@ -180,13 +180,22 @@ mod tests {
 
     #[test]
     fn line_meets_plane_at_a_third() {
-        let points = [Vec3::zeros(), Vec3::new(1., 1., 1.), Vec3::new(1., 0., 0.), Vec3::new(0., 1., 0.), Vec3::new(0., 0., 1.)];
+        let points =
+            [Vec3::zeros(), Vec3::new(1., 1., 1.), Vec3::new(1., 0., 0.), Vec3::new(0., 1., 0.), Vec3::new(0., 0., 1.)];
         let integers = Integers { points: &points, exponent: common_exponent(&points) };
         let p = integers.place(&Source::LinePlane { line: [0, 1], plane: [2, 3, 4] });
         for axis in 0..3 {
             assert_eq!(to_f64(&p, axis, integers.exponent), 1.0 / 3.0);
         }
-        assert_eq!(orient3d(&integers.place(&Source::Explicit(2)), &integers.place(&Source::Explicit(3)), &integers.place(&Source::Explicit(4)), &p), 0);
+        assert_eq!(
+            orient3d(
+                &integers.place(&Source::Explicit(2)),
+                &integers.place(&Source::Explicit(3)),
+                &integers.place(&Source::Explicit(4)),
+                &p
+            ),
+            0
+        );
     }
 
     #[test]

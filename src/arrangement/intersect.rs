@@ -243,7 +243,8 @@ mod tests {
 
     #[test]
     fn crossing_triangles_meet_in_two_points() {
-        let c = hits([[0., 0., 0.], [4., 0., 0.], [0., 4., 0.]], [[1., 1., -1.], [1., 1., 1.], [9., 9., 0.]], [3, 4, 5]).unwrap();
+        let c =
+            hits([[0., 0., 0.], [4., 0., 0.], [0., 4., 0.]], [[1., 1., -1.], [1., 1., 1.], [9., 9., 0.]], [3, 4, 5]).unwrap();
         assert_eq!(c.hits.len(), 2);
         assert!(c.hits.iter().any(|h| h.meeting == Meeting::EdgeOfSecond(0) && h.spots == [Spot::Face, Spot::Edge(0)]));
         // The other end is where the hypotenuse meets the second triangle's plane.
@@ -252,19 +253,25 @@ mod tests {
 
     #[test]
     fn a_corner_on_a_face_is_one_hit() {
-        let c = hits([[0., 0., 0.], [4., 0., 0.], [0., 4., 0.]], [[1., 1., 0.], [1., 2., 3.], [2., 1., 3.]], [3, 4, 5]).unwrap();
+        let c =
+            hits([[0., 0., 0.], [4., 0., 0.], [0., 4., 0.]], [[1., 1., 0.], [1., 2., 3.], [2., 1., 3.]], [3, 4, 5]).unwrap();
         assert_eq!(c.hits, vec![Hit { meeting: Meeting::Vertex(3), spots: [Spot::Face, Spot::Corner(0)] }]);
     }
 
     #[test]
     fn neighbours_that_share_an_edge_do_not_count() {
-        assert!(hits([[0., 0., 0.], [4., 0., 0.], [0., 4., 0.]], [[4., 0., 0.], [0., 0., 0.], [0., 0., 4.]], [1, 0, 3]).is_none());
-        assert!(hits([[0., 0., 0.], [4., 0., 0.], [0., 4., 0.]], [[4., 0., 0.], [0., 0., 0.], [0., -4., 0.]], [1, 0, 3]).is_none());
+        assert!(
+            hits([[0., 0., 0.], [4., 0., 0.], [0., 4., 0.]], [[4., 0., 0.], [0., 0., 0.], [0., 0., 4.]], [1, 0, 3]).is_none()
+        );
+        assert!(
+            hits([[0., 0., 0.], [4., 0., 0.], [0., 4., 0.]], [[4., 0., 0.], [0., 0., 0.], [0., -4., 0.]], [1, 0, 3]).is_none()
+        );
     }
 
     #[test]
     fn coplanar_star_has_six_crossings() {
-        let c = hits([[0., 0., 0.], [6., 0., 0.], [3., 5., 0.]], [[0., 3., 0.], [3., -2., 0.], [6., 3., 0.]], [3, 4, 5]).unwrap();
+        let c =
+            hits([[0., 0., 0.], [6., 0., 0.], [3., 5., 0.]], [[0., 3., 0.], [3., -2., 0.], [6., 3., 0.]], [3, 4, 5]).unwrap();
         assert!(c.is_coplanar);
         assert_eq!(c.hits.len(), 6);
     }

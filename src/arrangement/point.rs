@@ -322,7 +322,8 @@ fn along(p: &Vec3, step: &D3, num: Dd, num_error: f64, den: Dd, den_error: f64) 
         return None;
     }
     let t = num / den;
-    let t_error = (num_error + t.magnitude() * den_error) / (den.magnitude() - den_error) + OPERATIONS * dd::UNIT * t.magnitude();
+    let t_error =
+        (num_error + t.magnitude() * den_error) / (den.magnitude() - den_error) + OPERATIONS * dd::UNIT * t.magnitude();
     let at = Vec3::from_fn(|k, _| (Dd::from(p[k]) + step[k] * t).hi);
     let error = size(step) * (t_error + OPERATIONS * dd::UNIT * t.magnitude()) + at.amax() * f64::EPSILON;
     Some(Place { at, error })
@@ -350,8 +351,7 @@ fn three_planes(planes: &[[Vec3; 3]; 3]) -> Option<Place> {
     let scales = planes.map(|[a, b, c]| size(&minus(&b, &a)) * size(&minus(&c, &a)));
     let offsets: Vec<D3> = planes.iter().map(|t| minus(&t[0], &origin)).collect();
     let d = [0, 1, 2].map(|k| dot(&normals[k], &offsets[k]));
-    let (c23, c31, c12) =
-        (cross(&normals[1], &normals[2]), cross(&normals[2], &normals[0]), cross(&normals[0], &normals[1]));
+    let (c23, c31, c12) = (cross(&normals[1], &normals[2]), cross(&normals[2], &normals[0]), cross(&normals[0], &normals[1]));
     let w = dot(&normals[0], &c23);
     let scale = scales[0] * scales[1] * scales[2] * OPERATIONS * dd::UNIT;
     if w.magnitude() <= 2.0 * scale {
@@ -374,7 +374,8 @@ mod tests {
         // The planes x = 0.3 y..., tilted so that nothing is representable.
         let p = v(0.1, 0.2, 0.3);
         let (a, b, c) = (v(1.0, 0.3, 0.1), v(0.2, 1.1, -0.3), v(-0.1, 0.2, 1.3));
-        let explicit = [p - a, p + a, p - b, p + b, p - c, p + c, v(0., 0., 0.), v(3., 0., 0.), v(0., 3., 0.), v(0.5, 0.5, 7.0)];
+        let explicit =
+            [p - a, p + a, p - b, p + b, p - c, p + c, v(0., 0., 0.), v(3., 0., 0.), v(0., 3., 0.), v(0.5, 0.5, 7.0)];
         let mut points = Points::new(&explicit);
         let x = points.intern(Source::LinePlane { line: [6, 9], plane: [0, 3, 5] });
         let y = points.intern(Source::ThreePlanes([[6, 9, 0], [6, 9, 3], [0, 3, 5]]));
@@ -391,7 +392,11 @@ mod tests {
     #[test]
     fn a_point_on_a_vertex_is_the_vertex() {
         let explicit = [
-            Vec3::new(0., 0., -1.), Vec3::new(0., 0., 1.), Vec3::new(-1., -1., 0.), Vec3::new(1., -1., 0.), Vec3::new(0., 1., 0.),
+            Vec3::new(0., 0., -1.),
+            Vec3::new(0., 0., 1.),
+            Vec3::new(-1., -1., 0.),
+            Vec3::new(1., -1., 0.),
+            Vec3::new(0., 1., 0.),
             Vec3::zeros(),
         ];
         let mut points = Points::new(&explicit);
@@ -402,7 +407,11 @@ mod tests {
     #[test]
     fn turns_of_implicit_points_are_exact() {
         let explicit = [
-            Vec3::new(0., 0., -1.), Vec3::new(0.3, 0.1, 1.), Vec3::new(-1., -1., 0.1), Vec3::new(1., -1., 0.2), Vec3::new(0., 1., 0.3),
+            Vec3::new(0., 0., -1.),
+            Vec3::new(0.3, 0.1, 1.),
+            Vec3::new(-1., -1., 0.1),
+            Vec3::new(1., -1., 0.2),
+            Vec3::new(0., 1., 0.3),
         ];
         let mut points = Points::new(&explicit);
         let m = points.intern(Source::LinePlane { line: [0, 1], plane: [2, 3, 4] });

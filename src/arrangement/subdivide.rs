@@ -18,8 +18,11 @@ pub fn subdivide(mesh: &Mesh, graph: &Graph, points: &Points) -> SubCells {
     };
     let touched: Vec<u32> = (0..count as u32).filter(|&t| is_touched(t)).collect();
     let cut = |&t: &u32| Drawn::new(mesh, graph, points, t).pieces();
-    let pieces: Vec<Vec<Piece>> =
-        if touched.len() < 256 { touched.iter().map(cut).collect() } else { touched.par_iter().with_min_len(32).map(cut).collect() };
+    let pieces: Vec<Vec<Piece>> = if touched.len() < 256 {
+        touched.iter().map(cut).collect()
+    } else {
+        touched.par_iter().with_min_len(32).map(cut).collect()
+    };
     let mut cells = SubCells { owner_lists: mesh.input.cells.iter().map(|c| c.owners.clone()).collect(), ..Default::default() };
     let mut cut = touched.iter().copied().zip(pieces).peekable();
     for t in 0..count as u32 {
@@ -150,7 +153,8 @@ impl<'a> Drawn<'a> {
         let home = component[self.nodes.binary_search(&self.boundary[0]).unwrap_or(0)];
         for walk in loops {
             let n = walk.len();
-            let is_rim = (0..n).any(|k| outer_edges[component[walk[0] as usize] as usize] == Some([walk[k], walk[(k + 1) % n]]));
+            let is_rim =
+                (0..n).any(|k| outer_edges[component[walk[0] as usize] as usize] == Some([walk[k], walk[(k + 1) % n]]));
             match (is_rim, component[walk[0] as usize] == home) {
                 (false, _) => faces.push(walk),
                 (true, false) => rims.push(walk),
@@ -229,7 +233,8 @@ impl<'a> Drawn<'a> {
             .into_iter()
             .map(|m| {
                 let m = m?;
-                let last = self.around[m as usize].iter().copied().reduce(|best, x| if self.turn(m, best, x) > 0 { x } else { best });
+                let last =
+                    self.around[m as usize].iter().copied().reduce(|best, x| if self.turn(m, best, x) > 0 { x } else { best });
                 Some([m, last?])
             })
             .collect()
@@ -242,7 +247,8 @@ impl<'a> Drawn<'a> {
             .collect();
         let is_innermost = |f: &usize| {
             around.iter().all(|g| {
-                component[faces[*g][0] as usize] == component[faces[*f][0] as usize] || !self.is_inside(faces[*g][0], &faces[*f])
+                component[faces[*g][0] as usize] == component[faces[*f][0] as usize]
+                    || !self.is_inside(faces[*g][0], &faces[*f])
             })
         };
         around.iter().copied().find(is_innermost).or(around.first().copied()).unwrap_or(0)
@@ -251,7 +257,8 @@ impl<'a> Drawn<'a> {
     /// Whether a node that is not on the loop lies inside it: parity of the edges that a ray along the first axis crosses.
     fn is_inside(&self, node: u32, walk: &[u32]) -> bool {
         let axis = self.projection.v as usize;
-        let is_above = |n: u32| self.points.compare(self.nodes[n as usize], self.nodes[node as usize], axis) == Ordering::Greater;
+        let is_above =
+            |n: u32| self.points.compare(self.nodes[n as usize], self.nodes[node as usize], axis) == Ordering::Greater;
         let mut inside = false;
         for (k, &a) in walk.iter().enumerate() {
             let b = walk[(k + 1) % walk.len()];

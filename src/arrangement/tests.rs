@@ -19,7 +19,9 @@ pub fn boxes(list: &[[[f64; 3]; 2]]) -> Conforming {
                 }) as u32
             })
             .collect();
-        for (facet, q) in [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]].iter().enumerate() {
+        for (facet, q) in
+            [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]].iter().enumerate()
+        {
             let quad = q.map(|k: usize| ids[k]);
             let cell = out.cells.len() as u32;
             out.cells.push(Cell {

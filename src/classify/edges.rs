@@ -1,11 +1,11 @@
 //! The sub-cells around every edge, sorted by angle.
 
 use crate::arrangement::Arrangement;
+use crate::arrangement::projection_of_triangle;
 use crate::diag::Diagnostic;
 use crate::geom::Vec3;
 use crate::geom::predicates::{Projection, Sign, orient3d};
 use crate::geom::union_find::UnionFind;
-use crate::arrangement::projection_of_triangle;
 use std::cmp::Ordering;
 
 /// Directed edges (corners of the sub-cells' loops) grouped by undirected edge; within a group counter-clockwise about the

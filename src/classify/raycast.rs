@@ -77,9 +77,7 @@ impl<'a> Rays<'a> {
             if turn(ear[0], ear[1], ear[2]) <= 0 {
                 return None;
             }
-            let is_in_ear = |p: &u32| {
-                !ear.contains(p) && (0..3).all(|e| turn(ear[e], ear[(e + 1) % 3], *p) >= 0)
-            };
+            let is_in_ear = |p: &u32| !ear.contains(p) && (0..3).all(|e| turn(ear[e], ear[(e + 1) % 3], *p) >= 0);
             let is_free = !all.iter().any(is_in_ear);
             is_free.then(|| Source::Middle(Box::new(ear.map(|p| points.source(p)))))
         })

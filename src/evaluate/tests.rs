@@ -77,7 +77,11 @@ fn volumes(complex: &Complex) -> Vec<f64> {
 
 #[test]
 fn prism_with_two_holes_has_fourteen_facets() {
-    let solids = [block([0., 0., 0.], [250., 150., 50.]), block([50., 50., -10.], [100., 100., 60.]), block([150., 50., -10.], [200., 100., 60.])];
+    let solids = [
+        block([0., 0., 0.], [250., 150., 50.]),
+        block([50., 50., -10.], [100., 100., 60.]),
+        block([150., 50., -10.], [200., 100., 60.]),
+    ];
     let body = Node::Boolean(Operation::Difference, vec![leaf(0), leaf(1), leaf(2)]);
     let complex = run(vec![("body", body)], &solids);
     assert_eq!(complex.facets.len(), 14);

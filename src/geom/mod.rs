@@ -3,8 +3,8 @@
 pub mod aabb;
 pub mod bvh;
 pub mod dd;
-pub mod hash;
 pub mod embedding;
+pub mod hash;
 pub mod polygon;
 pub mod predicates;
 pub mod union_find;

@@ -243,8 +243,7 @@ fn freedoms(surface: &Surface) -> Vec<Freedom> {
     sides.sort_by_key(|s| s.0);
     let mut features = vec![0u32; surface.points.len()];
     for edge in sides.chunk_by(|a, b| a.0 == b.0) {
-        let is_smooth =
-            matches!(edge, [a, b] if a.1 == b.1 && a.2.dot(&b.2) > FEATURE_COSINE);
+        let is_smooth = matches!(edge, [a, b] if a.1 == b.1 && a.2.dot(&b.2) > FEATURE_COSINE);
         if !is_smooth {
             edge[0].0.iter().for_each(|v| features[*v as usize] += 1);
         }
@@ -317,30 +316,5 @@ mod tests {
         assert_eq!(read("f.off", &CUBE.replace("4 3 0 4 7", "4 3 0 4 0")).unwrap_err().code, "flat-facet");
         assert_eq!(read("g.off", &CUBE.replace("4 3 0 4 7", "4 3 0 4 8")).unwrap_err().code, "malformed-file");
         assert_eq!(read("h.ply", "").unwrap_err().code, "unknown-format");
-    }
-}
-#[cfg(test)]
-mod tmp_data {
-    use super::*;
-    #[test]
-    fn tmp_all_data() {
-        for dir in ["/work/shared/data/boolean/fetched", "/work/shared/data/remesh"] {
-            let mut paths: Vec<_> = std::fs::read_dir(dir).unwrap().map(|e| e.unwrap().path()).collect();
-            paths.sort();
-            for path in paths {
-                if SurfaceFormat::of(&path).is_none() { continue; }
-                let leaf = Leaf {
-                    primitive: crate::scene::model::Primitive::Import { path: path.clone(), scale: 1.0 },
-                    transform: crate::geom::Affine::identity(),
-                    division: crate::scene::model::Division { segments: None, max_angle: None, max_chord_error: None },
-                    tolerance: None, is_triangulated: false, name: None, span: Default::default(),
-                };
-                let t = std::time::Instant::now();
-                match import(&leaf, &path, 1.0) {
-                    Ok(s) => println!("{} v {} f {} {:?}", path.file_name().unwrap().display(), s.vertices.len(), s.facets.len(), t.elapsed()),
-                    Err(e) => println!("{} ERROR {} {:?}", path.file_name().unwrap().display(), e.message, t.elapsed()),
-                }
-            }
-        }
     }
 }

@@ -4,7 +4,7 @@ use crate::geom::polygon::{triangulate, vector_area};
 use crate::geom::{Affine, Vec3};
 use crate::ids::IdVec;
 use crate::scene::model::*;
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
 const FRAME: Frame = Frame {
@@ -71,7 +71,7 @@ fn volume(solid: &Solid) -> f64 {
 fn check(solid: &Solid) -> i64 {
     let p = points(solid);
     let size = p.iter().map(|v| v.amax()).fold(0.0, f64::max);
-    let mut edges: HashMap<(u32, u32), i32> = HashMap::new();
+    let mut edges: BTreeMap<(u32, u32), i32> = BTreeMap::new();
     let mut used = vec![false; p.len()];
     let mut holes = 0;
     for facet in &solid.facets {

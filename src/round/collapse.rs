@@ -63,7 +63,8 @@ fn number_places(facets: &Loops, places: &[Vec3], explicit: usize, reach: f64) -
             for x in lo[0]..=hi[0] {
                 for y in lo[1]..=hi[1] {
                     for z in lo[2]..=hi[2] {
-                        let close = grid.get(&[x, y, z]).into_iter().flatten().find(|&&q| (places[q as usize] - at).norm() <= reach);
+                        let close =
+                            grid.get(&[x, y, z]).into_iter().flatten().find(|&&q| (places[q as usize] - at).norm() <= reach);
                         found = found.or(close.copied());
                     }
                 }

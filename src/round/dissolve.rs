@@ -50,7 +50,8 @@ pub fn dissolve(facets: &mut [Vec<Vec<u32>>], places: &[Vec3], tolerance: f64) {
         &[a, b] => distance_to_segment(&places[p as usize], &places[a as usize], &places[b as usize]) > tolerance,
         _ => true,
     };
-    let is_start: Vec<bool> = (0..places.len() as u32).map(|p| !rims.of(p).is_empty() && (!is_passing[p as usize] || bends(p))).collect();
+    let is_start: Vec<bool> =
+        (0..places.len() as u32).map(|p| !rims.of(p).is_empty() && (!is_passing[p as usize] || bends(p))).collect();
     for start in (0..places.len() as u32).filter(|&p| is_start[p as usize]) {
         for &first in rims.of(start) {
             if !is_start[first as usize] && !is_seen[first as usize] {

@@ -112,9 +112,10 @@ fn is_inside(complex: &Complex, shell: &Shell, p: &Vec3) -> Result<bool, Diagnos
         let f = |x: f64| ((attempt + 1) as f64 * x).fract() - 0.5;
         let direction = Vec3::new(f(0.754_877_666_2) + 0.1, f(0.569_840_290_9) + 0.2, 0.6 + f(0.819_172_513_4).abs());
         let far = shell.bounds.center() + direction.normalize() * (2.0 * shell.bounds.diagonal());
-        let count = shell.sides.iter().try_fold(0u32, |n, s| {
-            corners(complex, s.0).try_fold(n, |n, t| Some(n + u32::from(crosses(p, &far, &t)?)))
-        });
+        let count = shell
+            .sides
+            .iter()
+            .try_fold(0u32, |n, s| corners(complex, s.0).try_fold(n, |n, t| Some(n + u32::from(crosses(p, &far, &t)?))));
         if let Some(n) = count {
             return Ok(n % 2 == 1);
         }

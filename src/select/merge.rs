@@ -62,7 +62,14 @@ fn collect(
             let owner = cells.owners_of(cell)[0];
             let (volumes, marker) = sides_of(cell);
             let source = (owner.leaf, owner.facet);
-            facets.push(SelectedFacet { loops: Vec::new(), volumes, source, is_flipped: owner.is_flipped, marker, is_partial: false });
+            facets.push(SelectedFacet {
+                loops: Vec::new(),
+                volumes,
+                source,
+                is_flipped: owner.is_flipped,
+                marker,
+                is_partial: false,
+            });
         }
     }
     let mut is_walked = vec![false; twin.len()];
@@ -86,9 +93,9 @@ fn collect(
     for facet in &mut facets {
         put_outer_first(arrangement, &mut facet.loops);
     }
-    let vanished = (0..twin.len()).filter(|&c| twin[c] != u32::MAX).map(|c| {
-        (cells.corners()[c], facet_of_set[set_of[edges.cell_of[c] as usize] as usize])
-    });
+    let vanished = (0..twin.len())
+        .filter(|&c| twin[c] != u32::MAX)
+        .map(|c| (cells.corners()[c], facet_of_set[set_of[edges.cell_of[c] as usize] as usize]));
     keep_lone_points(&mut facets, lone.into_iter().chain(vanished));
     mark_partial(arrangement, &mut facets, kept, &facet_of_set, set_of);
     facets

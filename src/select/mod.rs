@@ -69,9 +69,8 @@ pub fn select(scene: &Scene, solids: &[Solid], arrangement: &Arrangement, classi
         part_of_volume[volume as usize] = decision.part_of_shell(classified, shell as u32);
     }
     let volumes_of = |cell: usize| classified.shells[cell].map(|s| volume_of_shell[s as usize]);
-    let (markers, marker_of) = markers::assign(scene, solids, arrangement, &kept, |cell| {
-        volumes_of(cell).map(|v| part_of_volume[v as usize])
-    });
+    let (markers, marker_of) =
+        markers::assign(scene, solids, arrangement, &kept, |cell| volumes_of(cell).map(|v| part_of_volume[v as usize]));
     let facets = merge::merge(arrangement, &classified.edges, &kept, &marker_of, volumes_of);
     Selected { facets, markers, killed, part_of_volume, overlaps: decision.overlaps }
 }

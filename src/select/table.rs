@@ -14,35 +14,20 @@ pub type Table = [[Class; 4]; 4];
 /// A union B.
 pub const UNION: Table = [
     // B:   out   on    anti  in
-    [Out, On, Anti, In],   // A out
-    [On, On, In, In],      // A on-shared
-    [Anti, In, Anti, In],  // A on-anti-shared
-    [In, In, In, In],      // A in
+    [Out, On, Anti, In],  // A out
+    [On, On, In, In],     // A on-shared
+    [Anti, In, Anti, In], // A on-anti-shared
+    [In, In, In, In],     // A in
 ];
 
 /// A intersection B.
-pub const INTERSECTION: Table = [
-    [Out, Out, Out, Out],
-    [Out, On, Out, On],
-    [Out, Out, Anti, Anti],
-    [Out, On, Anti, In],
-];
+pub const INTERSECTION: Table = [[Out, Out, Out, Out], [Out, On, Out, On], [Out, Out, Anti, Anti], [Out, On, Anti, In]];
 
 /// A minus B.
-pub const DIFFERENCE: Table = [
-    [Out, Out, Out, Out],
-    [On, Out, On, Out],
-    [Anti, Anti, Out, Out],
-    [In, Anti, On, Out],
-];
+pub const DIFFERENCE: Table = [[Out, Out, Out, Out], [On, Out, On, Out], [Anti, Anti, Out, Out], [In, Anti, On, Out]];
 
 /// In exactly one of A and B.
-pub const XOR: Table = [
-    [Out, On, Anti, In],
-    [On, Out, In, Anti],
-    [Anti, In, Out, On],
-    [In, Anti, On, Out],
-];
+pub const XOR: Table = [[Out, On, Anti, In], [On, Out, In, Anti], [Anti, In, Out, On], [In, Anti, On, Out]];
 
 /// The class against `A op B`.
 pub fn combine(operation: Operation, a: Class, b: Class) -> Class {
