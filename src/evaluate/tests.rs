@@ -46,6 +46,8 @@ fn scene(parts: Vec<(&str, Node)>, leaves: usize) -> Scene {
         tolerance: 1e-9,
         overlap: Policy::Allow,
         gaps: Policy::Allow,
+        remesh: Default::default(),
+        mesh: Default::default(),
         leaves: (0..leaves).map(|_| leaf.clone()).collect(),
         parts: parts.into_iter().map(part).collect(),
         boundaries: IdVec::new(),

@@ -34,6 +34,8 @@ fn scene(leaves: Vec<Leaf>) -> Scene {
         tolerance: 1e-9,
         overlap: Policy::Allow,
         gaps: Policy::Allow,
+        remesh: Default::default(),
+        mesh: Default::default(),
         leaves: leaves.into_iter().collect::<IdVec<_, _>>(),
         parts: IdVec::new(),
         boundaries: IdVec::new(),
