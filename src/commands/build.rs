@@ -45,10 +45,7 @@ fn write(model: &mut Model, path: &Path) -> Result<(), Diagnostic> {
         let poly = poly::to_text(plc, Some(manifest));
         let json = manifest.to_json()?;
         let file = |path: PathBuf, content| NewFile { path, content };
-        atomic::write_all(&[
-            file(path.to_path_buf(), poly.as_bytes()),
-            file(manifest::path_beside(path), json.as_bytes()),
-        ])
+        atomic::write_all(&[file(path.to_path_buf(), poly.as_bytes()), file(manifest::path_beside(path), json.as_bytes())])
     })
 }
 

@@ -43,8 +43,8 @@ impl Bvh {
     }
 
     /// Calls `visit` with the number of every box that overlaps `query`.
-    pub fn overlapping(&self, query: &Aabb, mut visit: impl FnMut(u32)) {
-        self.search(|b| b.overlaps(query), |i| visit(i));
+    pub fn overlapping(&self, query: &Aabb, visit: impl FnMut(u32)) {
+        self.search(|b| b.overlaps(query), visit);
     }
 
     /// Calls `visit` with the number of every box for which `accept` holds; `accept` must hold for a box whenever it holds

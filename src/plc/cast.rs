@@ -11,7 +11,7 @@ use crate::geom::predicates::{orient2d, orient3d};
 
 /// Directions tried in turn: no two components in a simple ratio, so that designed geometry rarely lies along them.
 const DIRECTIONS: [[f64; 3]; 8] = [
-    [0.577_211, 0.693_147, 0.434_294],
+    [0.577_211, 0.697_313, 0.424_947],
     [-0.261_497, 0.915_965, -0.305_216],
     [0.764_223, -0.110_001, -0.643_410],
     [-0.412_454, -0.567_143, 0.718_281],

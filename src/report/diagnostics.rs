@@ -62,7 +62,17 @@ fn write_one(out: &mut String, d: &Diagnostic, style: &Style) -> std::fmt::Resul
 
 /// Names come from untrusted files: no control characters reach the terminal; a tab is one column.
 fn printable(text: &str) -> String {
-    text.chars().map(|c| if c == '\t' { ' ' } else if c.is_control() { '\u{fffd}' } else { c }).collect()
+    text.chars()
+        .map(|c| {
+            if c == '\t' {
+                ' '
+            } else if c.is_control() {
+                '\u{fffd}'
+            } else {
+                c
+            }
+        })
+        .collect()
 }
 
 #[cfg(test)]

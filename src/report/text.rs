@@ -14,8 +14,7 @@ impl Display for Table {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let columns = self.rows.iter().map(Vec::len).max().unwrap_or(0);
         let cell_width = |row: &Vec<String>, k: usize| row.get(k).map_or(0, |c| c.chars().count());
-        let widths: Vec<usize> =
-            (0..columns).map(|k| self.rows.iter().map(|r| cell_width(r, k)).max().unwrap_or(0)).collect();
+        let widths: Vec<usize> = (0..columns).map(|k| self.rows.iter().map(|r| cell_width(r, k)).max().unwrap_or(0)).collect();
         for row in &self.rows {
             let mut line = String::new();
             for (k, cell) in row.iter().enumerate() {

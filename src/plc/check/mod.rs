@@ -1,10 +1,14 @@
 //! Is it a valid PLC? Exact answers, one file per question.
 //!
-//! 1. `vertices`: no two at one place, none unused. 2. `facets`: planar, simple, none twice. 3. `contacts`: triangles meet only
-//! in whole shared vertices and edges. 4. `closed`: no edge of one facet only, two different volumes at each facet. 5. `regions`:
-//! one seed in each volume. 6. `count`: V - E + F - L = 2 (R + S - H). 7. `sides` (models of our own only): the recorded regions
-//! are the volumes that the facets enclose. A question is only asked where the answers before it give it a meaning, so that one
-//! defect gives one kind of finding.
+//! 1. `vertices`: no two at one place, none unused.
+//! 2. `facets`: planar, simple, none twice.
+//! 3. `contacts`: triangles meet only in whole shared vertices and edges.
+//! 4. `closed`: no edge of one facet only, two different volumes at each facet.
+//! 5. `regions`: one seed in each volume.
+//! 6. `count`: V - E + F - L = 2 (R + S - H).
+//! 7. `sides` (models of our own only): the recorded regions are the volumes that the facets enclose.
+//!
+//! A question is only asked where the answers before it give it a meaning, so that one defect gives one kind of finding.
 //!
 //! Numbers of vertices and facets in messages count from 1.
 
