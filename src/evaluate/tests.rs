@@ -44,8 +44,6 @@ fn scene(parts: Vec<(&str, Node)>, leaves: usize) -> Scene {
         unit: "mm".into(),
         hash: String::new(),
         tolerance: 1e-9,
-        remesh: Default::default(),
-        mesh: Default::default(),
         overlap: Policy::Allow,
         gaps: Policy::Allow,
         remesh: Default::default(),

@@ -32,8 +32,6 @@ fn scene(leaves: Vec<Leaf>) -> Scene {
         unit: "mm".into(),
         hash: String::new(),
         tolerance: 1e-9,
-        remesh: Default::default(),
-        mesh: Default::default(),
         overlap: Policy::Allow,
         gaps: Policy::Allow,
         remesh: Default::default(),
