@@ -24,80 +24,59 @@
 //! from the start, so the rows of Table 2.4 that kill second copies are not needed; diagonals and vertices that only killed
 //! facets needed are removed at the end instead of never made (4.1).
 //!
-//! # Repair
-//! Rounding to `f64` may let facets meet that were apart by less than a few units in the last place. Then the rounded regions are
-//! evaluated again as leaves of their own, with a contact tolerance of some units in the last place ([`REPAIR_TOLERANCES`]), until
-//! the result is clean; this is iterative snap rounding (Valque and Loriot 2025) with the contact step as the snap.
+//! # Rounding
+//! The last step is verified: a result that rounding to `f64` would break is refused by name, never written.
+
+mod findings;
+mod size;
 
 use crate::arrangement::{self, Statistics};
 use crate::brep::complex::Complex;
 use crate::classify;
-use crate::contact::{self, conforming::Conforming};
+use crate::contact;
 use crate::diag::{Diagnostic, Outcome};
-use crate::geom::aabb::Aabb;
 use crate::ids::LeafId;
 use crate::primitive::solid::Solid;
+use crate::report::timing::Timings;
 use crate::round::{self, Rounded};
-use crate::scene::model::{Node, Scene};
+use crate::scene::model::Scene;
 use crate::select;
 
 /// A valid complex and how it came about.
+#[derive(Debug)]
 pub struct Evaluation {
     /// The complex.
     pub complex: Complex,
     /// Counts of the arrangement.
     pub statistics: Statistics,
-    /// Rounds of repair that rounding needed.
-    pub repairs: u32,
+    /// What may not be meant.
+    pub warnings: Vec<Diagnostic>,
 }
 
 /// From leaf solids to the complex.
-pub fn evaluate(scene: &Scene, solids: &[Solid]) -> Outcome<Evaluation> {
-    let size = size_of(solids);
+///
+/// # Errors
+/// Contacts that cannot be resolved, parts without volume, forbidden overlaps and gaps, a result that rounding breaks; all that
+/// the failing step found.
+pub fn evaluate(scene: &Scene, solids: &[Solid], timings: &mut Timings) -> Outcome<Evaluation> {
+    let single = |d: Diagnostic| vec![d];
+    let size = size::of(scene, solids);
     let tolerance = scene.tolerance * size;
     let own: Vec<Option<f64>> = scene.leaves.iter().map(|l| l.tolerance.map(|t| t * size)).collect();
-    let name = |leaf: LeafId| leaf_name(scene, leaf);
-    let conforming = contact::conform(solids, tolerance, &own, &name)?;
-    evaluate_conforming(scene, solids, &conforming, size)
-}
-
-/// How messages call a leaf.
-fn leaf_name(scene: &Scene, leaf: LeafId) -> String {
-    let part = scene.parts.iter().find(|p| uses(&p.solid, leaf)).map(|p| p.name.as_str());
-    match (&scene.leaves[leaf].name, part) {
-        (Some(name), Some(part)) => format!("`{name}` of part `{part}`"),
-        (Some(name), None) => format!("`{name}`"),
-        (None, Some(part)) => format!("a solid of part `{part}`"),
-        (None, None) => format!("solid {}", leaf.0 + 1),
+    let name = |leaf: LeafId| findings::leaf_name(scene, leaf);
+    let conforming = timings.measure("contact", || contact::conform(solids, tolerance, &own, &name))?;
+    let mut warnings = timings.measure("gaps", || findings::gaps(scene, solids, &conforming))?;
+    let arrangement = timings.measure("arrangement", || arrangement::arrange(&conforming));
+    let classified = timings.measure("classify", || classify::classify(&arrangement)).map_err(single)?;
+    let selected = timings.measure("select", || select::select(scene, solids, &arrangement, &classified));
+    findings::overlaps(scene, &arrangement, &classified, &selected)?;
+    warnings.extend(findings::empty_parts(scene, &selected)?);
+    let rounded =
+        timings.measure("round", || round::round(&selected, &arrangement, solids, tolerance, size)).map_err(single)?;
+    match rounded {
+        Rounded::Valid(complex) => Ok(Evaluation { complex, statistics: arrangement.statistics, warnings }),
+        Rounded::Broken { complex, violations } => Err(findings::broken(scene, &complex, &violations)),
     }
-}
-
-fn uses(node: &Node, leaf: LeafId) -> bool {
-    match node {
-        Node::Leaf(l) => *l == leaf,
-        Node::Boolean(_, operands) => operands.iter().any(|o| uses(o, leaf)),
-    }
-}
-
-/// From conforming cells to the complex.
-pub fn evaluate_conforming(scene: &Scene, solids: &[Solid], conforming: &Conforming, size: f64) -> Outcome<Evaluation> {
-    let single = |d: Diagnostic| vec![d];
-    let arrangement = arrangement::arrange(conforming);
-    let classified = classify::classify(&arrangement).map_err(single)?;
-    let selected = select::select(scene, solids, &arrangement, &classified);
-    match round::round(&selected, &arrangement, solids, conforming.tolerance, size).map_err(single)? {
-        Rounded::Valid(complex) => Ok(Evaluation { complex, statistics: arrangement.statistics, repairs: 0 }),
-        Rounded::Broken { violations, .. } => {
-            let text =
-                format!("rounding breaks the complex in at least {} places ({:?})", violations.len(), violations[0].kind);
-            Err(vec![Diagnostic::internal("rounding", text).near(violations[0].point)])
-        }
-    }
-}
-
-/// The model's size: the diagonal of all leaves.
-pub fn size_of(solids: &[Solid]) -> f64 {
-    solids.iter().flat_map(|s| &s.vertices).fold(Aabb::EMPTY, |b, v| b.with(&v.point)).diagonal()
 }
 
 #[cfg(test)]

@@ -39,9 +39,11 @@ pub fn run(path: &Path, overrides: &[(String, String)], mut timings: Timings) ->
     build(scene, warnings.clone(), timings).map_err(|faults| [warnings, faults].concat())
 }
 
-fn build(scene: Scene, warnings: Vec<Diagnostic>, mut timings: Timings) -> Outcome<Model> {
+fn build(scene: Scene, mut warnings: Vec<Diagnostic>, mut timings: Timings) -> Outcome<Model> {
     let solids = timings.measure("primitive", || primitive::build(&scene))?;
-    let complex = timings.measure("evaluate", || evaluate::evaluate(&scene, &solids))?.complex;
+    let evaluation = evaluate::evaluate(&scene, &solids, &mut timings)?;
+    let complex = evaluation.complex;
+    warnings.extend(evaluation.warnings);
     let plc = timings.measure("plc", || plc::build::build(&complex, &scene.parts))?;
     let measures = timings.measure("measure", || measure::measure(&complex));
     let manifest = Manifest::new(&scene, &complex, &measures, &plc);

@@ -60,7 +60,7 @@ fn leaf(k: u32) -> Node {
 
 fn run(parts: Vec<(&str, Node)>, solids: &[Solid]) -> Complex {
     let scene = scene(parts, solids.len());
-    evaluate(&scene, solids).unwrap_or_else(|e| panic!("{e:?}")).complex
+    evaluate(&scene, solids, &mut Timings::default()).unwrap_or_else(|e| panic!("{e:?}")).complex
 }
 
 fn volumes(complex: &Complex) -> Vec<f64> {

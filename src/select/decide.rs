@@ -2,6 +2,7 @@
 
 use super::table::combine;
 use crate::classify::{Class, Classified};
+use crate::contact::conforming::Owner;
 use crate::geom::hash::IndexMap;
 use crate::ids::{IdVec, LeafId, PartId};
 use crate::scene::model::{Node, Operation, Part, Scene};
@@ -18,39 +19,67 @@ pub struct Overlap {
 }
 
 /// The part that each label belongs to.
-pub struct Decision {
+pub struct Decision<'a> {
+    claims: Claims<'a>,
     part_of_label: Vec<Option<PartId>>,
     /// Labels that several parts claim.
     pub overlaps: Vec<Overlap>,
 }
 
-impl Decision {
+impl<'a> Decision<'a> {
+    /// Evaluates every part's tree once per distinct label; the last part that claims it wins.
+    pub fn new(scene: &'a Scene, classified: &Classified) -> Self {
+        let claims = Claims { parts: &scene.parts, users: users_of_leaves(&scene.parts) };
+        let (mut part_of_label, mut overlaps) = (Vec::with_capacity(classified.labels.len()), Vec::new());
+        for (number, label) in classified.labels.iter().enumerate() {
+            let mut claimants = claims.of(label);
+            let winner = claimants.next();
+            part_of_label.push(winner);
+            let loses = |loser| winner.map(|winner| Overlap { loser, winner, label: number as u32 });
+            overlaps.extend(claimants.filter_map(loses));
+        }
+        Self { claims, part_of_label, overlaps }
+    }
+
     /// The part that claims the volume of a shell.
     pub fn part_of_shell(&self, classified: &Classified, shell: u32) -> Option<PartId> {
         self.part_of_label[classified.label_of_shell[shell as usize] as usize]
     }
+
+    /// Which of the facets that coincide in a retained sub-cell it is a piece of: the first that makes the difference on its
+    /// own, so that a facet is not split where another one that does not matter happens to lie on it.
+    pub fn source_of(&self, label_in_front: &[u32], owners: &[Owner]) -> usize {
+        let part_in_front = self.claims.of(label_in_front).next();
+        let matters = |owner: &Owner| {
+            let mut label = label_in_front.to_vec();
+            match label.binary_search(&owner.leaf.0) {
+                Ok(k) => drop(label.remove(k)),
+                Err(k) => label.insert(k, owner.leaf.0),
+            }
+            self.claims.of(&label).next() != part_in_front
+        };
+        owners.iter().position(matters).unwrap_or(0)
+    }
 }
 
-/// Evaluates every part's tree once per distinct label; the last part that claims it wins.
-pub fn decide(scene: &Scene, classified: &Classified) -> Decision {
-    let users = users_of_leaves(&scene.parts);
-    let mut decision = Decision { part_of_label: Vec::with_capacity(classified.labels.len()), overlaps: Vec::new() };
-    for (number, label) in classified.labels.iter().enumerate() {
-        let mut candidates: Vec<PartId> = label.iter().flat_map(|l| users.get(l).into_iter().flatten().copied()).collect();
+/// Evaluates the parts' trees on labels.
+struct Claims<'a> {
+    parts: &'a IdVec<PartId, Part>,
+    users: IndexMap<u32, Vec<PartId>>,
+}
+
+impl Claims<'_> {
+    /// The parts that claim a place with this label, last in the file first.
+    fn of<'b>(&'b self, label: &'b [u32]) -> impl Iterator<Item = PartId> + 'b {
+        let mut candidates: Vec<PartId> = label.iter().flat_map(|l| self.users.get(l).into_iter().flatten().copied()).collect();
         candidates.sort_unstable();
         candidates.dedup();
-        let is_inside = |leaf: LeafId| label.binary_search(&leaf.0).is_ok();
-        let class = |leaf: LeafId| Class::new(is_inside(leaf), is_inside(leaf));
-        let claims: Vec<PartId> =
-            candidates.into_iter().rev().filter(|&p| class_against(&scene.parts[p].solid, &class) == Class::In).collect();
-        let winner = claims.first().copied();
-        for &loser in claims.iter().skip(1) {
-            let winner = claims[0];
-            decision.overlaps.push(Overlap { loser, winner, label: number as u32 });
-        }
-        decision.part_of_label.push(winner);
+        let class = |leaf: LeafId| {
+            let is_inside = label.binary_search(&leaf.0).is_ok();
+            Class::new(is_inside, is_inside)
+        };
+        candidates.into_iter().rev().filter(move |&p| class_against(&self.parts[p].solid, &class) == Class::In)
     }
-    decision
 }
 
 /// The class of a sub-facet against a Boolean node, from its classes against the leaves: folds the decision table.

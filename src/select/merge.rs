@@ -3,21 +3,24 @@
 use super::SelectedFacet;
 use crate::arrangement::Arrangement;
 use crate::classify::EdgeUses;
+use crate::contact::conforming::Owner;
 use crate::geom::union_find::UnionFind;
 use crate::ids::MarkerId;
 
-/// Merges across every edge at which exactly two retained pieces meet that come from the same facet, and have the same volumes in
+/// `source_of`: for each retained piece, which of its owners it counts as a piece of. Merges across every edge at which exactly two retained pieces meet that come from the same facet, and have the same volumes in
 /// front and behind and the same marker.
 pub fn merge(
     arrangement: &Arrangement,
     edges: &EdgeUses,
     kept: &[bool],
     marker_of: &[MarkerId],
+    source_of: &[u32],
     volumes_of: impl Fn(usize) -> [u32; 2],
 ) -> Vec<SelectedFacet> {
     let cells = &arrangement.cells;
+    let source = |cell: usize| cells.owners_of(cell)[source_of[cell] as usize];
     let key = |cell: usize| {
-        let owner = cells.owners_of(cell)[0];
+        let owner = source(cell);
         let [front, back] = volumes_of(cell);
         // Seen from the source facet's outside, so that pieces of either orientation compare.
         let sides = if owner.is_flipped { [back, front] } else { [front, back] };
@@ -33,7 +36,7 @@ pub fn merge(
         let &[a, b] = &alive[..] else { continue };
         let (p, q) = (edges.cell_of[a as usize] as usize, edges.cell_of[b as usize] as usize);
         let is_opposite = edges.is_forward[a as usize] != edges.is_forward[b as usize];
-        let is_same_turn = cells.owners_of(p)[0].is_flipped == cells.owners_of(q)[0].is_flipped;
+        let is_same_turn = source(p).is_flipped == source(q).is_flipped;
         if is_opposite && is_same_turn && (p == q || key(p) == key(q)) {
             sets.join(p as u32, q as u32);
             twin[a as usize] = b;
@@ -41,7 +44,7 @@ pub fn merge(
         }
     }
     let (set_of, _) = sets.number();
-    collect(arrangement, edges, kept, &set_of, &twin, &|cell| (volumes_of(cell), marker_of[cell]))
+    collect(arrangement, edges, kept, &set_of, &twin, &|cell| (source(cell), volumes_of(cell), marker_of[cell]))
 }
 
 fn collect(
@@ -50,7 +53,7 @@ fn collect(
     kept: &[bool],
     set_of: &[u32],
     twin: &[u32],
-    sides_of: &dyn Fn(usize) -> ([u32; 2], MarkerId),
+    describe: &dyn Fn(usize) -> (Owner, [u32; 2], MarkerId),
 ) -> Vec<SelectedFacet> {
     let cells = &arrangement.cells;
     let mut facets: Vec<SelectedFacet> = Vec::new();
@@ -59,8 +62,7 @@ fn collect(
         let slot = &mut facet_of_set[set_of[cell] as usize];
         if *slot == u32::MAX {
             *slot = facets.len() as u32;
-            let owner = cells.owners_of(cell)[0];
-            let (volumes, marker) = sides_of(cell);
+            let (owner, volumes, marker) = describe(cell);
             let source = (owner.leaf, owner.facet);
             facets.push(SelectedFacet {
                 loops: Vec::new(),

@@ -15,6 +15,7 @@ pub mod table;
 use crate::arrangement::Arrangement;
 use crate::brep::complex::Marker;
 use crate::classify::Classified;
+use crate::geom::hash::IndexMap;
 use crate::geom::union_find::UnionFind;
 use crate::ids::{IdVec, LeafId, MarkerId, PartId};
 use crate::primitive::solid::Solid;
@@ -53,7 +54,7 @@ pub struct SelectedFacet {
 
 /// Selects and merges.
 pub fn select(scene: &Scene, solids: &[Solid], arrangement: &Arrangement, classified: &Classified) -> Selected {
-    let decision = decide::decide(scene, classified);
+    let decision = decide::Decision::new(scene, classified);
     let mut volumes = UnionFind::new(classified.label_of_shell.len());
     let (mut kept, mut killed) = (vec![false; arrangement.cells.len()], Vec::new());
     for (cell, &[front, back]) in classified.shells.iter().enumerate() {
@@ -71,6 +72,23 @@ pub fn select(scene: &Scene, solids: &[Solid], arrangement: &Arrangement, classi
     let volumes_of = |cell: usize| classified.shells[cell].map(|s| volume_of_shell[s as usize]);
     let (markers, marker_of) =
         markers::assign(scene, solids, arrangement, &kept, |cell| volumes_of(cell).map(|v| part_of_volume[v as usize]));
-    let facets = merge::merge(arrangement, &classified.edges, &kept, &marker_of, volumes_of);
+    let source_of = sources(arrangement, classified, &decision, &kept);
+    let facets = merge::merge(arrangement, &classified.edges, &kept, &marker_of, &source_of, volumes_of);
     Selected { facets, markers, killed, part_of_volume, overlaps: decision.overlaps }
+}
+
+/// For each retained sub-cell, which of its owners it counts as a piece of.
+fn sources(arrangement: &Arrangement, classified: &Classified, decision: &decide::Decision, kept: &[bool]) -> Vec<u32> {
+    let cells = &arrangement.cells;
+    let mut known: IndexMap<(u32, u32), u32> = IndexMap::default();
+    let mut choose = |cell: usize| {
+        let owners = cells.owners_of(cell);
+        if !kept[cell] || owners.len() < 2 {
+            return 0;
+        }
+        let label = classified.label_of_shell[classified.shells[cell][0] as usize];
+        let find = || decision.source_of(&classified.labels[label as usize], owners) as u32;
+        *known.entry((label, cells.owners[cell])).or_insert_with(find)
+    };
+    (0..cells.len()).map(&mut choose).collect()
 }

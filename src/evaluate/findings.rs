@@ -1,0 +1,142 @@
+//! What is wrong with a model or may not be meant, by name and place.
+
+use crate::arrangement::Arrangement;
+use crate::brep::complex::Complex;
+use crate::classify::Classified;
+use crate::contact::{self, conforming::Conforming};
+use crate::diag::{Diagnostic, Outcome};
+use crate::geom::Vec3;
+use crate::geom::embedding::Violation;
+use crate::geom::polygon;
+use crate::ids::{LeafId, PartId};
+use crate::primitive::solid::Solid;
+use crate::scene::model::{Node, Policy, Scene};
+use crate::select::Selected;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Parts whose tree uses a leaf, in file order.
+fn users(scene: &Scene, leaf: LeafId) -> Vec<PartId> {
+    fn uses(node: &Node, leaf: LeafId) -> bool {
+        match node {
+            Node::Leaf(l) => *l == leaf,
+            Node::Boolean(_, operands) => operands.iter().any(|o| uses(o, leaf)),
+        }
+    }
+    scene.parts.enumerate().filter(|(_, p)| uses(&p.solid, leaf)).map(|(id, _)| id).collect()
+}
+
+/// How messages call a leaf.
+pub fn leaf_name(scene: &Scene, leaf: LeafId) -> String {
+    let line = scene.leaves[leaf].span.line;
+    let what = scene.leaves[leaf].name.as_ref().map_or("a solid".to_owned(), |n| format!("`{n}`"));
+    match users(scene, leaf).first() {
+        Some(&part) => format!("{what} of part `{}` (line {line})", scene.parts[part].name),
+        None => format!("{what} (line {line})"),
+    }
+}
+
+/// Parts that come near without touching: warnings, or errors if the scene forbids them.
+pub fn gaps(scene: &Scene, solids: &[Solid], conforming: &Conforming) -> Outcome<Vec<Diagnostic>> {
+    let mut nearest: BTreeMap<(PartId, PartId), (f64, Vec3)> = BTreeMap::new();
+    for gap in contact::nearly_touching(solids, conforming) {
+        let [first, second] = gap.leaves.map(|l| users(scene, l));
+        if first.iter().any(|p| second.contains(p)) {
+            continue;
+        }
+        let (Some(&a), Some(&b)) = (first.first(), second.first()) else { continue };
+        let entry = nearest.entry((a.min(b), a.max(b))).or_insert((gap.distance, gap.place));
+        if gap.distance < entry.0 {
+            *entry = (gap.distance, gap.place);
+        }
+    }
+    let describe = |(&(a, b), &(distance, place)): (&(PartId, PartId), &(f64, Vec3))| {
+        let (a, b) = (&scene.parts[a], &scene.parts[b]);
+        let text = format!("parts `{}` and `{}` are {distance:.3e} {} apart without touching", a.name, b.name, scene.unit);
+        let diagnostic = match scene.gaps {
+            Policy::Allow => Diagnostic::warning("narrow-gap", text),
+            Policy::Forbid => Diagnostic::error("narrow-gap", text),
+        };
+        diagnostic
+            .at(b.span)
+            .near(place)
+            .hint("let them touch exactly, move them apart, or raise `tolerance` if they are meant to touch")
+    };
+    let found: Vec<Diagnostic> = nearest.iter().map(describe).collect();
+    if scene.gaps == Policy::Forbid && !found.is_empty() { Err(found) } else { Ok(found) }
+}
+
+/// Overlapping parts, if the scene forbids them, with the common volume.
+pub fn overlaps(scene: &Scene, arrangement: &Arrangement, classified: &Classified, selected: &Selected) -> Outcome<()> {
+    if scene.overlap == Policy::Allow || selected.overlaps.is_empty() {
+        return Ok(());
+    }
+    let mut labels: BTreeMap<(PartId, PartId), BTreeSet<u32>> = BTreeMap::new();
+    for o in &selected.overlaps {
+        labels.entry((o.loser, o.winner)).or_default().insert(o.label);
+    }
+    let describe = |(&(a, b), set): (&(PartId, PartId), &BTreeSet<u32>)| {
+        let (volume, place) = volume_of(arrangement, classified, set);
+        let (a, b) = (&scene.parts[a], &scene.parts[b]);
+        let text = format!("parts `{}` and `{}` overlap in {volume:.6e} {}^3", a.name, b.name, scene.unit);
+        Diagnostic::error("overlap", text).at(b.span).near(place).hint("subtract one from the other, or set `overlap: Allow`")
+    };
+    Err(labels.iter().map(describe).collect())
+}
+
+/// Volume of the places with the given labels, and one of their vertices.
+fn volume_of(arrangement: &Arrangement, classified: &Classified, labels: &BTreeSet<u32>) -> (f64, Vec3) {
+    let cells = &arrangement.cells;
+    let places: Vec<Vec3> = (0..arrangement.points.len() as u32).map(|p| arrangement.points.at(p)).collect();
+    let (mut volume, mut origin) = (0.0, None);
+    for (cell, shells) in classified.shells.iter().enumerate() {
+        let [front, back] = shells.map(|s| labels.contains(&classified.label_of_shell[s as usize]));
+        if front == back {
+            continue;
+        }
+        let corner = cells.loops(cell).next().map_or(Vec3::zeros(), |l| places[l[0] as usize]);
+        let origin = *origin.get_or_insert(corner);
+        let third = (corner - origin).dot(&polygon::vector_area(cells.loops(cell), &places)) / 3.0;
+        volume += if back { third } else { -third };
+    }
+    (volume, origin.unwrap_or_else(Vec3::zeros))
+}
+
+/// Parts that are left without volume: errors. No part at all is one too.
+pub fn empty_parts(scene: &Scene, selected: &Selected) -> Outcome<Vec<Diagnostic>> {
+    let alive: BTreeSet<PartId> = selected.part_of_volume.iter().copied().flatten().collect();
+    let empty = scene.parts.enumerate().filter(|(id, _)| !alive.contains(id));
+    let errors: Vec<Diagnostic> = empty
+        .map(|(_, part)| {
+            Diagnostic::error("empty-part", format!("part `{}` is empty: nothing is left of its solid", part.name))
+                .at(part.span)
+                .hint("later parts take the space of earlier ones: put an enclosing box first; or check the Boolean operations")
+        })
+        .collect();
+    if errors.is_empty() { Ok(Vec::new()) } else { Err(errors) }
+}
+
+/// A result that rounding breaks: the parts and places.
+pub fn broken(scene: &Scene, complex: &Complex, violations: &[Violation]) -> Vec<Diagnostic> {
+    let facet_of: Vec<usize> =
+        complex.facets.iter().enumerate().flat_map(|(f, facet)| std::iter::repeat_n(f, facet.triangles.len())).collect();
+    let mut seen = BTreeSet::new();
+    let mut out = Vec::new();
+    for violation in violations {
+        let facets = violation.triangles.map(|t| &complex.facets.as_slice()[facet_of[t as usize]]);
+        let leaves = facets.map(|f| f.source.0);
+        if !seen.insert(leaves) || out.len() >= 10 {
+            continue;
+        }
+        let [a, b] = leaves.map(|l| leaf_name(scene, l));
+        let text = format!(
+            "facets of {a} and {b} come so near that rounding to 64-bit coordinates makes them meet ({:?})",
+            violation.kind
+        );
+        out.push(
+            Diagnostic::error("rounding", text)
+                .near(violation.point)
+                .hint("move one of them by more than the contact tolerance, or raise `tolerance` so that they touch"),
+        );
+    }
+    out
+}

@@ -1,0 +1,40 @@
+//! The model's size, to which tolerances are relative.
+
+use crate::geom::aabb::Aabb;
+use crate::ids::Id;
+use crate::primitive::solid::Solid;
+use crate::scene::model::{Node, Operation, Scene};
+
+/// Diagonal of the box around what the parts can claim, without a part that encloses all others: neither a large tool nor the
+/// air box changes what touches.
+pub fn of(scene: &Scene, solids: &[Solid]) -> f64 {
+    let leaves: Vec<Aabb> = solids.iter().map(|s| Aabb::around(s.vertices.iter().map(|v| &v.point))).collect();
+    let parts: Vec<Aabb> = scene.parts.iter().map(|p| bounds(&p.solid, &leaves)).collect();
+    let around = |skip: usize| {
+        let others = parts.iter().enumerate().filter(|(k, b)| *k != skip && !b.is_empty());
+        others.fold(Aabb::EMPTY, |all, (_, b)| all.union(b))
+    };
+    let all = around(usize::MAX);
+    let inner = (0..parts.len()).map(|k| (k, around(k))).find(|(k, others)| {
+        !others.is_empty() && (0..3).all(|a| parts[*k].lo[a] < others.lo[a] && others.hi[a] < parts[*k].hi[a])
+    });
+    inner.map_or(all, |(_, others)| others).diagonal()
+}
+
+/// A box around the points that a tree can claim.
+fn bounds(node: &Node, leaves: &[Aabb]) -> Aabb {
+    match node {
+        Node::Leaf(leaf) => leaves[leaf.index()],
+        Node::Boolean(operation, operands) => {
+            let mut boxes = operands.iter().map(|o| bounds(o, leaves));
+            match operation {
+                Operation::Union | Operation::Xor => boxes.fold(Aabb::EMPTY, |all, b| all.union(&b)),
+                Operation::Difference => boxes.next().unwrap_or(Aabb::EMPTY),
+                Operation::Intersection => {
+                    let common = |a: Aabb, b: Aabb| Aabb { lo: a.lo.sup(&b.lo), hi: a.hi.inf(&b.hi) };
+                    boxes.reduce(common).filter(|b| !b.is_empty()).unwrap_or(Aabb::EMPTY)
+                }
+            }
+        }
+    }
+}
