@@ -1,6 +1,5 @@
 //! Triangulations of the rounded polygons.
 
-use super::PLANAR_ULPS;
 use super::collapse::Loops;
 use crate::diag::Diagnostic;
 use crate::geom::Vec3;
@@ -17,9 +16,8 @@ pub struct Piece {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// Triangulates every facet that has loops; facets that are not planar to rounding become one piece per triangle.
-pub fn triangulate(loops: &Loops, points: &[Vec3], size: f64) -> Result<Vec<Piece>, Diagnostic> {
-    let flatness = PLANAR_ULPS * f64::EPSILON * size;
+/// Triangulates every facet that has loops; facets whose vertices do not lie within `flatness` of their plane become one piece per triangle.
+pub fn triangulate(loops: &Loops, points: &[Vec3], flatness: f64) -> Result<Vec<Piece>, Diagnostic> {
     let one = |(facet, loops): (usize, &Vec<Vec<u32>>)| -> Result<Vec<Piece>, Diagnostic> {
         let Some(outer) = loops.first() else { return Ok(Vec::new()) };
         let walks: Vec<&[u32]> = loops.iter().map(|l| &l[..]).collect();

@@ -27,7 +27,8 @@ use crate::ids::{Id, IdVec, LeafId, SurfaceId, VertexId};
 use crate::primitive::solid::{Freedom, Solid};
 use crate::select::Selected;
 
-/// Units in the last place of the model's size within which a polygon's vertices lie in its plane.
+/// Units in the last place of the model's size (or of its distance from the origin, if that is larger: nothing finer can be
+/// written) within which a polygon's vertices lie in its plane.
 pub const PLANAR_ULPS: f64 = 4.0;
 
 /// Violations listed before giving up counting.
@@ -58,10 +59,10 @@ pub fn round(
 ) -> Result<Rounded, Diagnostic> {
     let mut loops: Vec<Vec<Vec<u32>>> = selected.facets.iter().map(|f| f.loops.clone()).collect();
     let places: Vec<Vec3> = (0..arrangement.points.len() as u32).map(|p| arrangement.points.at(p)).collect();
-    dissolve::dissolve(&mut loops, &places, tolerance.max(size * f64::EPSILON * PLANAR_ULPS));
-    let reach = PLANAR_ULPS * f64::EPSILON * size;
+    let reach = PLANAR_ULPS * f64::EPSILON * places.iter().fold(size, |m, p| m.max(p.amax()));
+    dissolve::dissolve(&mut loops, &places, tolerance.max(reach));
     let (points, loops) = collapse::weld(loops, &places, arrangement.points.explicit_len(), reach);
-    let pieces = facets::triangulate(&loops, &points, size)?;
+    let pieces = facets::triangulate(&loops, &points, reach)?;
     let (surfaces, surface_of) = surface_table(solids);
     let mut complex = Complex { surfaces, markers: selected.markers.clone(), ..Default::default() };
     let mut volumes = Vec::with_capacity(pieces.len());

@@ -39,7 +39,9 @@ pub fn no_triangulation(subject: &Subject, facet: u32, why: PolygonError) -> Dia
 
 /// Facets whose vertices are not in one plane.
 pub fn bent(subject: &Subject) -> Vec<Diagnostic> {
-    let limit = PLANARITY_ULPS * f64::EPSILON * subject.size;
+    // Far from the origin the coordinates themselves are coarser than the model's size tells.
+    let scale = subject.plc.vertices.iter().fold(subject.size, |m, p| m.max(p.amax()));
+    let limit = PLANARITY_ULPS * f64::EPSILON * scale;
     let mut findings = Vec::new();
     for (k, f) in subject.plc.facets.iter().enumerate() {
         if f.polygons.iter().map(Vec::len).sum::<usize>() <= 3 {

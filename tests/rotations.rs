@@ -1,0 +1,134 @@
+//! Every scene under random rotations and a far translation: the same regions, interfaces and topology.
+
+use gsm::brep::complex::Complex;
+use gsm::evaluate::evaluate;
+use gsm::geom::{Affine, Vec3};
+use gsm::ids::Id;
+use gsm::primitive;
+use gsm::report::timing::Timings;
+use gsm::scene::model::Scene;
+use gsm::scene::{self, Limits};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Rotations per scene; the larger number of issue 3 is reached by setting GSM_ROTATIONS.
+const ROTATIONS: u64 = 3;
+
+const SCENES: [(&str, &str); 9] = [
+    ("prism_holes", ""),
+    ("cone", ""),
+    ("union_two_differences", ""),
+    ("cylinders_union_difference", ""),
+    ("three_cylinders", ""),
+    ("transformer3", ""),
+    ("machine", ""),
+    ("team07", ""),
+    ("sphere_grid", "n=2"),
+];
+
+fn load(name: &str, set: &str) -> Scene {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name).with_extension("ron");
+    let sets: Vec<(String, String)> = set.split_once('=').map(|(a, b)| (a.to_string(), b.to_string())).into_iter().collect();
+    scene::load(&path, &sets, &Limits::default()).unwrap_or_else(|e| panic!("{name}: {e:?}")).scene
+}
+
+fn build(scene: &Scene) -> Result<Complex, String> {
+    let solids = primitive::build(scene).map_err(|e| format!("{e:?}"))?;
+    evaluate(scene, &solids, &mut Timings::default()).map(|e| e.complex).map_err(|e| format!("{e:?}"))
+}
+
+fn moved(scene: &Scene, map: &Affine) -> Scene {
+    let mut out = scene.clone();
+    for leaf in out.leaves.iter_mut() {
+        leaf.transform = map * leaf.transform;
+    }
+    out
+}
+
+/// A rotation about a pseudo-random axis.
+fn rotation(seed: u64) -> Affine {
+    let f = |k: u64| {
+        let x = (seed * 8 + k).wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        let x = (x ^ (x >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        ((x ^ (x >> 32)) % 1_000_003) as f64 / 1_000_003.0 - 0.5
+    };
+    let axis = nalgebra::Unit::new_normalize(Vec3::new(f(1), f(2), f(3)));
+    nalgebra::convert(nalgebra::Rotation3::from_axis_angle(&axis, 6.0 * f(4)))
+}
+
+/// What must not change: counts per interface, and measures.
+#[derive(Debug, PartialEq)]
+struct Topology {
+    vertices: usize,
+    facets: usize,
+    regions: usize,
+    interfaces: BTreeMap<String, usize>,
+}
+
+fn topology(complex: &Complex) -> Topology {
+    let mut interfaces = BTreeMap::new();
+    for facet in &complex.facets {
+        *interfaces.entry(complex.markers[facet.marker].name.clone()).or_default() += 1;
+    }
+    Topology { vertices: complex.vertices.len(), facets: complex.facets.len(), regions: complex.regions.len(), interfaces }
+}
+
+fn volumes(complex: &Complex) -> Vec<f64> {
+    let mut out = vec![0.0; complex.regions.len()];
+    let origin = complex.vertices.as_slice()[0].point;
+    for facet in &complex.facets {
+        for t in &facet.triangles {
+            let [a, b, c] = t.map(|v| complex.vertices[v].point - origin);
+            let volume = a.dot(&b.cross(&c)) / 6.0;
+            out[facet.sides[0].index()] -= volume;
+            out[facet.sides[1].index()] += volume;
+        }
+    }
+    out
+}
+
+fn assert_alike(name: &str, what: &str, reference: &Complex, other: &Complex, tolerance: f64) {
+    assert_eq!(topology(reference), topology(other), "{name} {what}");
+    for (a, b) in volumes(reference).iter().zip(volumes(other)) {
+        assert!((a - b).abs() <= tolerance * a.abs(), "{name} {what}: volume {a} became {b}");
+    }
+}
+
+#[test]
+fn rotated_scenes_are_alike() {
+    let count = std::env::var("GSM_ROTATIONS").ok().and_then(|n| n.parse().ok()).unwrap_or(ROTATIONS);
+    let only = std::env::var("GSM_SCENE").unwrap_or_default();
+    let mut failures = Vec::new();
+    for (name, set) in SCENES.iter().filter(|s| s.0.contains(&only)) {
+        let scene = load(name, set);
+        let reference = build(&scene).unwrap_or_else(|e| panic!("{name}: {e}"));
+        for seed in 0..count {
+            let turned = moved(&scene, &rotation(seed));
+            match build(&turned) {
+                Err(e) => failures.push(format!("{name} rotation {seed}: {e}")),
+                Ok(complex) => {
+                    let check = std::panic::catch_unwind(|| {
+                        assert_alike(name, &format!("rotation {seed}"), &reference, &complex, 1e-9)
+                    });
+                    if check.is_err() {
+                        failures.push(format!("{name} rotation {seed}: differs"));
+                    }
+                }
+            }
+        }
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+#[test]
+fn far_scenes_are_alike() {
+    for (name, set) in SCENES {
+        let scene = load(name, set);
+        let reference = build(&scene).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let size = reference.vertices.iter().fold(gsm::geom::aabb::Aabb::EMPTY, |b, v| b.with(&v.point)).diagonal();
+        let far =
+            Affine::from_matrix_unchecked(nalgebra::Matrix4::new_translation(&(Vec3::new(0.48, -0.6, 0.64) * (1000.0 * size))));
+        let complex = build(&moved(&scene, &far)).unwrap_or_else(|e| panic!("{name} far: {e}"));
+        assert_alike(name, "far away", &reference, &complex, 1e-6);
+    }
+}
