@@ -39,7 +39,9 @@ fn a_million_triangles() {
         {
             brep.collapse(&plan);
             collapses += 1;
-        } else if let Ok(plan) = brep.plan_swap(edge) {
+        } else if let Ok(plan) = brep.plan_swap(edge)
+            && plan.opposite.iter().all(|&v| brep.topology.edges_at(v).nth(8).is_none())
+        {
             brep.swap(&plan);
             swaps += 1;
         }

@@ -7,7 +7,6 @@
 //! loops that cross nothing betray a surface that is not one: uses glued or told apart wrongly.
 
 use super::store::{FaceUseId, HalfEdgeId, ShellId, Topology};
-use std::collections::HashMap;
 
 /// Beyond this many loops the alternation matrix (bits: loops squared) and its elimination (loops cubed / 64) cost too much; the
 /// count is then refused.
@@ -62,24 +61,22 @@ pub(super) fn genus(topology: &Topology, shell: ShellId, surface: &mut Surface) 
 impl Map {
     fn of(topology: &Topology, shell: ShellId, surface: &mut Surface) -> Self {
         let mut map = Map::default();
-        let halves: Vec<(FaceUseId, HalfEdgeId)> =
-            topology.face_uses(shell).flat_map(|at| topology.half_edges_of(at).map(move |half| (at, half))).collect();
-        for (k, &(_, half)) in halves.iter().enumerate() {
+        let mut halves = Vec::new();
+        for (face, face_use) in topology.face_uses(shell).enumerate() {
+            halves.extend(topology.half_edges_of(face_use));
+            map.face.resize(halves.len(), face as u32);
+            map.faces += 1;
+        }
+        for (k, half) in halves.iter().enumerate() {
             surface.number[half.0 as usize] = k as u32;
         }
         let number = |half: HalfEdgeId| surface.number[half.0 as usize];
-        let mut face = HashMap::new();
-        for face_use in topology.face_uses(shell) {
-            face.insert(face_use, map.faces);
-            map.faces += 1;
-        }
-        for &(at, half) in &halves {
+        for &half in &halves {
             map.next.push(number(topology.next(half)));
             map.mate.push(number(topology.mate(half)));
-            map.face.push(face[&at]);
         }
-        for face_use in topology.face_uses(shell) {
-            map.bridge(topology, face_use, face[&face_use], &number);
+        for (face, face_use) in topology.face_uses(shell).enumerate() {
+            map.bridge(topology, face_use, face as u32, &number);
         }
         map
     }
@@ -110,26 +107,26 @@ impl Map {
         }
     }
 
-    /// A tree of faces: the darts across which it goes.
+    /// A tree of faces: the darts across which it goes. Each face is one cycle of darts.
     fn unfold(&self) -> Result<Vec<bool>, &'static str> {
-        let mut of_face: Vec<Vec<u32>> = vec![Vec::new(); self.faces as usize];
-        for (dart, &face) in self.face.iter().enumerate() {
-            of_face[face as usize].push(dart as u32);
-        }
         let mut is_folded = vec![false; self.next.len()];
         let mut is_met = vec![false; self.faces as usize];
-        is_met[0] = true;
+        is_met[self.face[0] as usize] = true;
         let mut stack = vec![0u32];
         let mut met = 1;
-        while let Some(face) = stack.pop() {
-            for &dart in &of_face[face as usize] {
+        while let Some(first) = stack.pop() {
+            let mut dart = first;
+            loop {
                 let mate = self.mate[dart as usize];
-                let beyond = self.face[mate as usize];
-                if !std::mem::replace(&mut is_met[beyond as usize], true) {
+                if !std::mem::replace(&mut is_met[self.face[mate as usize] as usize], true) {
                     is_folded[dart as usize] = true;
                     is_folded[mate as usize] = true;
-                    stack.push(beyond);
+                    stack.push(mate);
                     met += 1;
+                }
+                dart = self.next[dart as usize];
+                if dart == first {
+                    break;
                 }
             }
         }
