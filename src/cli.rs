@@ -22,6 +22,12 @@ pub enum Command {
     Build(BuildArgs),
     /// Verify exactly that a scene's result, or a .poly or .smesh file, is a valid complex.
     Check(CheckArgs),
+    /// Build a scene (or take a .poly) and mesh its volumes by TetGen; write the mesh for solvers, with all names.
+    Mesh(Box<MeshArgs>),
+    /// Convert a mesh or surface from one file format to another, with its names.
+    Convert(ConvertArgs),
+    /// Write a commented scene to start from.
+    New(NewArgs),
 }
 
 /// Arguments of `gsm build`.
@@ -53,6 +59,118 @@ pub struct CheckArgs {
     pub common: Common,
 }
 
+/// Arguments of `gsm mesh`.
+#[derive(Args, Debug)]
+pub struct MeshArgs {
+    /// Scene, or a .poly with its manifest beside it.
+    pub path: PathBuf,
+    /// Where to write; the extension is the format (msh, vtu, mesh, obj, stl, ply, off, smesh, glb); may be given several times
+    /// [default: NAME.msh in the current folder].
+    #[arg(short, long, value_name = "PATH")]
+    pub output: Vec<PathBuf>,
+    /// Version of .msh files.
+    #[arg(long, value_enum, default_value_t = MshVersion::V22, value_name = "VERSION")]
+    pub msh: MshVersion,
+    /// Set a parameter of the scene, e.g. --set gap=0.8mm; may be given several times.
+    #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
+    pub set: Vec<(String, String)>,
+    /// TetGen program [default: the variable GSM_TETGEN, else tetgen on PATH].
+    #[arg(long, value_name = "PROGRAM")]
+    pub tetgen: Option<PathBuf>,
+    /// Largest wanted ratio of circumradius to shortest edge of a tetrahedron [default: the scene's, else 2].
+    #[arg(long, value_name = "RATIO", value_parser = positive)]
+    pub ratio: Option<f64>,
+    /// Smallest wanted dihedral angle, in degrees [default: the scene's, else none].
+    #[arg(long, value_name = "DEGREES", value_parser = angle)]
+    pub dihedral: Option<f64>,
+    /// Largest wanted volume of a tetrahedron, in the scene's unit cubed; parts may ask for less.
+    #[arg(long, value_name = "VOLUME", value_parser = positive)]
+    pub max_volume: Option<f64>,
+    /// Longest run of TetGen, in seconds.
+    #[arg(long, default_value_t = 3600.0, value_name = "SECONDS", value_parser = positive)]
+    pub time_limit: f64,
+    /// Most memory of TetGen, in GiB.
+    #[arg(long, default_value_t = 16.0, value_name = "GIB", value_parser = positive)]
+    pub memory_limit: f64,
+    /// Report the condition number of the stiffness matrix.
+    #[arg(long)]
+    pub condition: bool,
+    /// Fail (exit code 3) if a dihedral angle is smaller, in degrees.
+    #[arg(long, value_name = "DEGREES", value_parser = angle, help_heading = "Thresholds")]
+    pub min_dihedral: Option<f64>,
+    /// Fail if a radius-edge ratio is larger.
+    #[arg(long, value_name = "RATIO", value_parser = positive, help_heading = "Thresholds")]
+    pub max_ratio: Option<f64>,
+    /// Fail if an aspect ratio R/r is larger.
+    #[arg(long, value_name = "RATIO", value_parser = positive, help_heading = "Thresholds")]
+    pub max_aspect: Option<f64>,
+    /// Fail if an angle of a triangle is smaller, in degrees.
+    #[arg(long, value_name = "DEGREES", value_parser = angle, help_heading = "Thresholds")]
+    pub min_angle: Option<f64>,
+    /// Fail if the condition number of the stiffness matrix is larger.
+    #[arg(long, value_name = "NUMBER", value_parser = positive, help_heading = "Thresholds")]
+    pub max_condition: Option<f64>,
+    /// Options of every command.
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// Arguments of `gsm convert`.
+#[derive(Args, Debug)]
+pub struct ConvertArgs {
+    /// File to read: .msh (2.2, 4.1), .mesh, .poly or .smesh (names from the manifest beside it), .obj, .off, .stl.
+    pub input: PathBuf,
+    /// File to write: .msh, .vtu, .mesh, .obj, .stl, .ply, .off, .smesh, .glb.
+    pub output: PathBuf,
+    /// Version of .msh files.
+    #[arg(long, value_enum, default_value_t = MshVersion::V22, value_name = "VERSION")]
+    pub msh: MshVersion,
+    /// Length unit of the input, for formats that are in metres (glTF) [default: the manifest's, else m].
+    #[arg(long, value_name = "UNIT")]
+    pub unit: Option<String>,
+    /// Options of every command.
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// Arguments of `gsm new`.
+#[derive(Args, Debug)]
+pub struct NewArgs {
+    /// Which scene.
+    #[arg(value_enum)]
+    pub template: Template,
+    /// Where to write [default: NAME.ron in the current folder]; a file that is there already is not replaced.
+    #[arg(short, long, value_name = "PATH.ron")]
+    pub output: Option<PathBuf>,
+    /// Options of every command.
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// Scenes to start from.
+#[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Template {
+    /// A three-phase transformer.
+    Transformer,
+    /// A rotating machine with slots and magnets.
+    Machine,
+    /// TEAM problem 7: a coil over a plate with a hole.
+    Team07,
+    /// A sphere in a box: the shortest one.
+    SphereInBox,
+}
+
+/// Versions of Gmsh's format.
+#[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+pub enum MshVersion {
+    /// What all solvers read.
+    #[value(name = "2.2")]
+    V22,
+    /// Gmsh's own present one.
+    #[value(name = "4.1")]
+    V41,
+}
+
 /// Options of every command.
 #[derive(Args, Debug, Clone, Default)]
 pub struct Common {
@@ -74,6 +192,22 @@ fn assignment(text: &str) -> Result<(String, String), String> {
             Ok((name.trim().to_owned(), value.trim().to_owned()))
         }
         _ => Err("expected NAME=VALUE, e.g. gap=0.8mm".to_owned()),
+    }
+}
+
+/// A finite number above zero.
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x.is_finite() && x > 0.0 => Ok(x),
+        _ => Err("expected a number above zero".to_owned()),
+    }
+}
+
+/// An angle from 0 to 90 degrees.
+fn angle(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if (0.0..90.0).contains(&x) => Ok(x),
+        _ => Err("expected degrees from 0 up to 90".to_owned()),
     }
 }
 

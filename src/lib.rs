@@ -11,6 +11,7 @@
 //!           -- round ------> f64 coordinates, verified -> B-rep with uses and regions
 //!           -- remesh -----> collapse, swap, split, relocate
 //!           -- plc --------> .poly and manifest
+//!           -- tetgen -----> volume mesh, verified -- io --> files for solvers -- report --> statistics
 //! ```
 
 pub mod arrangement;
@@ -31,3 +32,4 @@ pub mod report;
 pub mod round;
 pub mod scene;
 pub mod select;
+pub mod tetgen;

@@ -3,7 +3,7 @@
 use clap::Parser;
 use gsm::cli::{Cli, Command};
 use gsm::commands::session::{Exit, Session};
-use gsm::commands::{build, check};
+use gsm::commands::{build, check, convert, mesh, new};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::panic::{self, AssertUnwindSafe};
 use std::process::ExitCode;
@@ -36,6 +36,9 @@ fn run(cli: &Cli) -> io::Result<Exit> {
     let exit = match &cli.command {
         Command::Build(args) => build::run(args, &mut Session { out: &mut out, common: &args.common }),
         Command::Check(args) => check::run(args, &mut Session { out: &mut out, common: &args.common }),
+        Command::Mesh(args) => mesh::run(args, &mut Session { out: &mut out, common: &args.common }),
+        Command::Convert(args) => convert::run(args, &mut Session { out: &mut out, common: &args.common }),
+        Command::New(args) => new::run(args, &mut Session { out: &mut out, common: &args.common }),
     }?;
     out.flush()?;
     Ok(exit)

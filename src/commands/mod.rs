@@ -2,4 +2,7 @@
 
 pub mod build;
 pub mod check;
+pub mod convert;
+pub mod mesh;
+pub mod new;
 pub mod session;

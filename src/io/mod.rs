@@ -1,11 +1,27 @@
-//! Files: one module per format, and safe writing. Readers of imported surfaces yield a [`PolygonMesh`]; they trust nothing that a file declares.
+//! Files: one module per format, all with the names of regions and markers, and safe writing.
+//!
+//! [`mesh::Mesh`] is what mesh files carry: the volume mesh that comes back from TetGen, or the triangulated surface of a
+//! complex. Readers of imported surfaces yield a [`PolygonMesh`]; they trust nothing that a file declares.
 
 pub mod atomic;
+pub mod format;
+pub mod glb;
 pub mod manifest;
+pub mod medit;
+pub mod mesh;
+pub mod msh;
+pub mod names;
 pub mod obj;
 pub mod off;
+pub mod ply;
 pub mod poly;
+pub mod smesh;
 pub mod stl;
+pub mod vtu;
+pub mod words;
+pub mod write_obj;
+pub mod write_off;
+pub mod write_stl;
 
 use crate::diag::Diagnostic;
 use std::path::Path;

@@ -1,9 +1,15 @@
 //! What a run says: parts, interfaces, triangle quality, times; as text and as JSON from one value.
 
 pub mod diagnostics;
+pub mod distribution;
+pub mod lanczos;
 pub mod quality;
+pub mod stiffness;
+pub mod tets;
 pub mod text;
 pub mod timing;
+pub mod triangles;
+pub mod volume;
 
 use crate::brep::complex::Complex;
 use crate::diag::Diagnostic;

@@ -149,6 +149,11 @@ fn parse_here(
     }
 }
 
+/// Metres of one unit of this name, e.g. 0.001 for `mm`; `None` for names that are no unit.
+pub fn meters(unit: &str) -> Option<f64> {
+    Unit::named(unit)?.convert("1", 1, Unit::named("m")?)
+}
+
 fn read_scene<'a>(reader: &mut Reader<'a>, node: &ast::Scene<'a>, folder: &Path, limits: &Limits) -> Option<Scene> {
     // The usual distance at which f64 coordinates that were meant to agree do.
     let tolerance = node.tolerance.0.map_or(Some(1e-9), |raw| reader.tolerance(raw));

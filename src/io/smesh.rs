@@ -1,0 +1,93 @@
+//! TetGen's .smesh: the triangles with their markers and one seed per connected region; names in comments.
+
+use super::mesh::{Mesh, TET_FACES, sorted};
+use super::names::name_of;
+use crate::geom::Vec3;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::io::{self, Write};
+
+/// Writes the triangles; seeds are known if the mesh has tetrahedra.
+///
+/// # Errors
+/// What the writer reports.
+pub fn write(mesh: &Mesh, out: &mut dyn Write) -> io::Result<()> {
+    write_name_comments(mesh, out)?;
+    writeln!(out, "{} 3 0 0", mesh.nodes.len())?;
+    for (v, p) in mesh.nodes.enumerate() {
+        writeln!(out, "{} {:?} {:?} {:?}", v.0 + 1, p.x, p.y, p.z)?;
+    }
+    writeln!(out, "{} 1", mesh.triangles.len())?;
+    for t in &mesh.triangles {
+        let [a, b, c] = t.corners.map(|v| v.0 + 1);
+        writeln!(out, "3 {a} {b} {c} {}", t.marker)?;
+    }
+    let seeds = seeds(mesh);
+    writeln!(out, "0\n{}", seeds.len())?;
+    for (k, (region, p)) in seeds.iter().enumerate() {
+        writeln!(out, "{} {:?} {:?} {:?} {region}", k + 1, p.x, p.y, p.z)?;
+    }
+    Ok(())
+}
+
+/// Comments that name regions and markers.
+pub(crate) fn write_name_comments(mesh: &Mesh, out: &mut dyn Write) -> io::Result<()> {
+    for (kind, names) in [("region", &mesh.regions), ("marker", &mesh.markers)] {
+        for number in names.keys() {
+            writeln!(out, "# {kind} {number} {}", name_of(names, *number, kind))?;
+        }
+    }
+    Ok(())
+}
+
+/// A point strictly inside each connected volume of one region: the centroid of its largest tetrahedron.
+fn seeds(mesh: &Mesh) -> Vec<(u32, Vec3)> {
+    // Components by union-find over tetrahedra that share a face without a triangle.
+    let walls: BTreeSet<_> = mesh.triangles.iter().map(|t| sorted(t.corners)).collect();
+    let mut parent: Vec<usize> = (0..mesh.tets.len()).collect();
+    let mut first = HashMap::new();
+    for (k, tet) in mesh.tets.iter().enumerate() {
+        for face in TET_FACES {
+            let key = sorted(face.map(|c| tet.corners[c]));
+            if walls.contains(&key) {
+                continue;
+            }
+            if let Some(other) = first.insert(key, k) {
+                let (a, b) = (root(&mut parent, k), root(&mut parent, other));
+                parent[a.max(b)] = a.min(b);
+            }
+        }
+    }
+    let mut best: BTreeMap<usize, (f64, usize)> = BTreeMap::new();
+    for (k, tet) in mesh.tets.iter().enumerate() {
+        let [a, b, c, d] = mesh.tet_points(tet);
+        let volume = (b - a).cross(&(c - a)).dot(&(d - a));
+        let entry = best.entry(root(&mut parent, k)).or_insert((volume, k));
+        if volume > entry.0 {
+            *entry = (volume, k);
+        }
+    }
+    best.into_values().map(|(_, k)| (mesh.tets[k].region, mesh.tet_points(&mesh.tets[k]).iter().sum::<Vec3>() * 0.25)).collect()
+}
+
+fn root(parent: &mut [usize], mut k: usize) -> usize {
+    while parent[k] != k {
+        parent[k] = parent[parent[k]];
+        k = parent[k];
+    }
+    k
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::mesh::tests::cube;
+
+    #[test]
+    fn one_seed_per_piece() {
+        let mut mesh = cube();
+        assert_eq!(seeds(&mesh).iter().map(|s| s.0).collect::<Vec<_>>(), [1, 2]);
+        // Without the inner triangles the regions are one volume.
+        mesh.triangles.retain(|t| t.marker != 5);
+        assert_eq!(seeds(&mesh).len(), 1);
+    }
+}

@@ -1,0 +1,186 @@
+//! The attempts, cheapest in tetrahedra first, until one yields a mesh that counts.
+
+use super::child::{self, Ending, Folder, Limits};
+use super::find::Program;
+use super::input::Input;
+use super::place::{self, Place};
+use super::{explain, read, verify};
+use crate::diag::{Diagnostic, Outcome};
+use crate::io::mesh::{Mesh, RegionNumber};
+use crate::io::poly;
+use crate::plc::Plc;
+use std::collections::BTreeMap;
+use std::fmt;
+use std::path::Path;
+use std::time::Duration;
+
+/// What is wanted of the volume mesh, and what it may cost.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Largest ratio of circumradius to shortest edge; TetGen's default, and the thesis', is 2.
+    pub ratio: f64,
+    /// Smallest wanted dihedral angle in degrees; 0 leaves it open.
+    pub dihedral: f64,
+    /// Largest volume of any tetrahedron, in the scene's unit cubed; parts may ask for less.
+    pub max_volume: Option<f64>,
+    /// Longest run of TetGen.
+    pub time: Duration,
+    /// Largest address space of TetGen, in bytes.
+    pub memory: u64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { ratio: 2.0, dihedral: 0.0, max_volume: None, time: Duration::from_secs(3600), memory: 16 << 30 }
+    }
+}
+
+/// Bends, in order: the smaller one changes shapes less, the larger one cures more.
+const BENDS: [(f64, u64); 4] = [(1e-5, 1), (1e-5, 2), (1e-4, 3), (1e-4, 4)];
+/// Moves, as fractions of the size: 3e-9 cured all of 16 rotations of a machine, 1e-9 all but three, at 5 % fewer tetrahedra.
+const MOVES: [(f64, u64); 5] = [(1e-9, 1), (3e-9, 2), (1e-8, 3), (1e-7, 4), (1e-6, 5)];
+/// An attempt that after this time still recovers facets is held to run in circles. What is right takes under 1 ms per vertex.
+const STALL: Duration = Duration::from_secs(5);
+const STALL_PER_VERTEX: Duration = Duration::from_millis(2);
+
+/// A volume mesh that counts, and how it came about.
+#[derive(Clone, Debug)]
+pub struct Meshed {
+    /// The mesh, with all names.
+    pub mesh: Mesh,
+    /// The program that made it.
+    pub program: Program,
+    /// All attempts; the last one succeeded.
+    pub attempts: Vec<Attempt>,
+    /// Volumes of the regions of the complex that was meshed.
+    pub volumes: BTreeMap<RegionNumber, f64>,
+    /// By how much vertices were moved, as a fraction of the size; 0 on all rungs but the last ones.
+    pub moved: f64,
+}
+
+/// One attempt.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Attempt {
+    /// What was done to the complex.
+    pub place: Place,
+    /// Version of the program.
+    pub version: String,
+    /// What came of it.
+    pub verdict: String,
+    /// How long it took, by the clock.
+    pub seconds: f64,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::AsIs => write!(f, "as it is"),
+            Self::Turned(_) => write!(f, "turned into its main axes and back"),
+            Self::Bent(amount, _) => write!(f, "bent by {amount:e} and back"),
+            Self::Moved(amount, _) => write!(f, "vertices moved by {amount:e} of the size"),
+        }
+    }
+}
+
+/// Meshes the complex. `programs` are as [`super::find::find`] gives them.
+///
+/// # Errors
+/// If no attempt yields a mesh that counts: what TetGen said, by names and coordinates.
+pub fn mesh(input: &Input, programs: &[Program], options: &Options) -> Outcome<Meshed> {
+    let mut attempts = Vec::new();
+    let mut logs = Vec::new();
+    for (program, place) in rungs(input, programs) {
+        if matches!(place, Place::Moved(..)) && !place.is_valid(input) {
+            continue;
+        }
+        let (result, run) = match attempt(input, program, &place, options) {
+            Ok(done) => done,
+            Err(e) => return Err(vec![Diagnostic::error("no-tetgen", format!("{}: {e}", program.path.display()))]),
+        };
+        let verdict = match &result {
+            Ok(_) => "good".to_string(),
+            Err(faults) => faults.first().cloned().unwrap_or_default(),
+        };
+        attempts.push(Attempt { place: place.clone(), version: program.version.clone(), verdict, seconds: run.seconds });
+        if let Ok(mesh) = result {
+            let moved = if let Place::Moved(amount, _) = place { amount } else { 0.0 };
+            let volumes = input.volumes(&place::vertices_after(&place, input));
+            return Ok(Meshed { mesh, program: program.clone(), attempts, volumes, moved });
+        }
+        let is_too_large = run.ending == Ending::OutOfTime;
+        logs.push(run.log);
+        if is_too_large {
+            return Err(vec![too_slow(options)]);
+        }
+    }
+    Err(explain::explain(input, programs, options, &attempts, &logs))
+}
+
+fn too_slow(options: &Options) -> Diagnostic {
+    let limit = options.time.as_secs();
+    Diagnostic::error("tetgen-time", format!("TetGen was still refining the mesh after {limit} s"))
+        .hint("allow larger volumes or a larger --ratio, or raise --time-limit")
+        .hint("thin gaps and small angles cost most: a gap of a hundredth of its width needs about ten thousand tetrahedra")
+}
+
+/// The attempts in order.
+fn rungs<'a>(input: &Input, programs: &'a [Program]) -> Vec<(&'a Program, Place)> {
+    let Some((usual, newer)) = programs.split_first() else { return Vec::new() };
+    // A complex that lies askew meshes worse as it is even where TetGen survives: coplanar facets are not merged.
+    let mut rungs: Vec<_> = Place::turned(input).into_iter().map(|p| (usual, p)).collect();
+    rungs.push((usual, Place::AsIs));
+    rungs.extend(BENDS.map(|(amount, seed)| (usual, Place::Bent(amount, seed))));
+    rungs.extend(newer.iter().map(|program| (program, Place::AsIs)));
+    rungs.extend(MOVES.map(|(amount, seed)| (usual, Place::Moved(amount, seed))));
+    rungs
+}
+
+type Judged = Result<Mesh, Vec<String>>;
+
+fn attempt(input: &Input, program: &Program, place: &Place, options: &Options) -> std::io::Result<(Judged, child::Run)> {
+    let folder = Folder::new()?;
+    let plc = limited(place.apply(input), options, place.distortion());
+    std::fs::write(folder.path().join("m.poly"), poly::to_text(&plc, None))?;
+    let stall = STALL + STALL_PER_VERTEX * plc.vertices.len() as u32;
+    let limits = Limits { time: options.time, stall, memory: options.memory };
+    let run = child::run(&program.path, &[&switches(&plc, options, place.distortion()), "m.poly"], folder.path(), &limits)?;
+    Ok((judge(input, place, &run, folder.path()), run))
+}
+
+/// TetGen's switches: quality, volumes where seeds have any, region numbers.
+fn switches(plc: &Plc, options: &Options, distortion: f64) -> String {
+    // Four: a ratio of two lengths, each of which may be off by the distortion, to first order, and once more for the shape.
+    let ratio = options.ratio / (1.0 + 4.0 * distortion);
+    let volumes = if plc.seeds.iter().any(|s| s.max_volume.is_some()) { "a" } else { "" };
+    let dihedral = if options.dihedral > 0.0 { format!("/{}", options.dihedral) } else { String::new() };
+    format!("-pq{ratio}{dihedral}A{volumes}")
+}
+
+/// The volume limits that TetGen gets: the smaller of the part's and the general one.
+fn limited(mut plc: Plc, options: &Options, distortion: f64) -> Plc {
+    for seed in &mut plc.seeds {
+        let limit = [seed.max_volume, options.max_volume].into_iter().flatten().reduce(f64::min);
+        seed.max_volume = limit.map(|v| v / (1.0 + 4.0 * distortion));
+    }
+    plc
+}
+
+fn judge(input: &Input, place: &Place, run: &child::Run, folder: &Path) -> Judged {
+    match run.ending {
+        Ending::Clean => {}
+        Ending::Code(code) => return Err(vec![format!("exit code {code}")]),
+        Ending::Signal(6) => return Err(vec!["aborted".into()]),
+        Ending::Signal(11) => return Err(vec!["segmentation fault".into()]),
+        Ending::Signal(signal) => return Err(vec![format!("died of signal {signal}")]),
+        Ending::OutOfTime => return Err(vec![format!("out of time after {:.0} s", run.seconds)]),
+        Ending::Stalled => return Err(vec![format!("endless loop, stopped after {:.0} s", run.seconds)]),
+    }
+    let mut mesh = read::read(&folder.join("m")).map_err(|fault| vec![fault.message])?;
+    place.restore(&input.plc, &mut mesh);
+    verify::verify(&mesh, input, &place::vertices_after(place, input))?;
+    mesh.regions = input.regions.iter().map(|(r, label)| (*r, label.name.clone())).collect();
+    mesh.markers = input.markers.clone();
+    mesh.drop_unused_nodes();
+    mesh.orient();
+    Ok(mesh)
+}
