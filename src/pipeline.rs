@@ -7,6 +7,7 @@ use crate::io::manifest::Manifest;
 use crate::plc::measure::{self, Measures};
 use crate::plc::{self, Plc};
 use crate::primitive;
+use crate::remesh;
 use crate::report::timing::Timings;
 use crate::scene::{self, Limits, model::Scene};
 use std::path::Path;
@@ -42,6 +43,7 @@ pub fn run(path: &Path, overrides: &[(String, String)], mut timings: Timings) ->
 fn build(scene: Scene, warnings: Vec<Diagnostic>, mut timings: Timings) -> Outcome<Model> {
     let solids = timings.measure("primitive", || primitive::build(&scene))?;
     let complex = timings.measure("evaluate", || evaluate::evaluate(&scene, &solids))?.complex;
+    let complex = timings.measure("remesh", || remesh::remesh(complex, &scene.remesh, &scene.parts))?;
     let plc = timings.measure("plc", || plc::build::build(&complex, &scene.parts))?;
     let measures = timings.measure("measure", || measure::measure(&complex));
     let manifest = Manifest::new(&scene, &complex, &measures, &plc);
