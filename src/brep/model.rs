@@ -57,14 +57,20 @@ impl Brep {
         debug_assert!(vertex.is_some());
         match self.vertices.get(vertex) {
             Some(_) => self.vertices[vertex] = data,
-            None => debug_assert_eq!(self.vertices.push(data), vertex),
+            None => {
+                let new = self.vertices.push(data);
+                debug_assert_eq!(new, vertex);
+            }
         }
     }
     /// Enters what belongs to a new facet.
     pub(super) fn set_facet(&mut self, facet: FacetId, data: FacetData) {
         match self.facets.get(facet) {
             Some(_) => self.facets[facet] = data,
-            None => debug_assert_eq!(self.facets.push(data), facet),
+            None => {
+                let new = self.facets.push(data);
+                debug_assert_eq!(new, facet);
+            }
         }
     }
 }

@@ -63,9 +63,9 @@ pub struct RemeshOptions {
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Deserialize, serde::Serialize)]
 pub enum RemeshMode {
     /// None.
+    #[default]
     Off,
     /// Curved facets that the intersection modified.
-    #[default]
     Interfaces,
     /// All curved facets.
     Full,

@@ -1,0 +1,158 @@
+//! Exact surfaces of primitives.
+
+use super::support::{Foot, Support, any_normal_to, bending_of_level};
+use crate::geom::{Affine, Vec3};
+use crate::primitive::solid::Shape;
+use crate::scene::model::Frame;
+use nalgebra::Matrix3;
+
+pub use super::ellipsoid::Ellipsoid;
+
+/// The smallest radius, as a fraction of the reference size, at which a curvature 1 / radius is still told apart from that of
+/// an apex; keeps curvatures finite.
+const SMALLEST_RADIUS: f64 = 1e-12;
+
+/// The exact support of a shape; `None` for planes (facets carry their own) and sampled surfaces.
+pub fn support_of_shape(shape: &Shape) -> Option<Support> {
+    match shape {
+        Shape::Plane | Shape::Sampled => None,
+        Shape::Cone { frame, radius, slope } => Some(Support::Cone(Cone::new(*frame, *radius, *slope))),
+        Shape::Ellipsoid { frame, radii } => Some(Support::Ellipsoid(Ellipsoid::new(*frame, *radii))),
+        Shape::Torus { frame, major_radius, minor_radius } => {
+            Some(Support::Torus(Torus { frame: *frame, major: *major_radius, minor: *minor_radius }))
+        }
+        Shape::Image { shape, map } => Some(Support::Image(Box::new(Image::new(support_of_shape(shape)?, *map)?))),
+    }
+}
+
+/// Coordinates of a point in a frame.
+pub(super) fn into_frame(frame: &Frame, point: &Vec3) -> Vec3 {
+    let d = point - frame.origin;
+    Vec3::new(d.dot(&frame.x), d.dot(&frame.y), d.dot(&frame.z))
+}
+
+/// A direction given in a frame's coordinates.
+pub(super) fn out_of_frame(frame: &Frame, v: &Vec3) -> Vec3 {
+    frame.x * v.x + frame.y * v.y + frame.z * v.z
+}
+
+/// Axial and radial part of a point: unit radial direction (x of the frame on the axis), radius, height.
+fn cylindrical(frame: &Frame, point: &Vec3) -> (Vec3, f64, f64) {
+    let local = into_frame(frame, point);
+    let radius = libm::hypot(local.x, local.y);
+    let radial = if radius > 0.0 { (frame.x * local.x + frame.y * local.y) / radius } else { frame.x };
+    (radial, radius, local.z)
+}
+
+/// Circular cylinder or cone about the frame's z axis; unbounded, one nappe.
+#[derive(Clone, Debug)]
+pub struct Cone {
+    frame: Frame,
+    radius: f64,
+    slope: f64,
+    /// Length of (1, slope).
+    stretch: f64,
+}
+
+impl Cone {
+    /// The cone of radius `radius + slope * z`.
+    pub fn new(frame: Frame, radius: f64, slope: f64) -> Self {
+        Self { frame, radius, slope, stretch: libm::hypot(1.0, slope) }
+    }
+
+    pub(super) fn closest(&self, point: &Vec3) -> Foot {
+        let (radial, radius, height) = cylindrical(&self.frame, point);
+        // In the half plane (radius, height): the foot on the line radius = r + slope * height, not below the axis.
+        let along = (height + self.slope * (radius - self.radius)) / (self.stretch * self.stretch);
+        let mut foot_radius = self.radius + self.slope * along;
+        let mut foot_height = along;
+        if foot_radius < 0.0 {
+            foot_radius = 0.0;
+            foot_height = -self.radius / self.slope;
+        }
+        let normal = (radial - self.frame.z * self.slope) / self.stretch;
+        let around = self.frame.z.cross(&radial);
+        let least = SMALLEST_RADIUS * (self.radius.abs() + height.abs() + radius);
+        let curvature = 1.0 / (self.stretch * foot_radius.max(least).max(f64::MIN_POSITIVE));
+        Foot {
+            point: self.frame.origin + radial * foot_radius + self.frame.z * foot_height,
+            normal,
+            bending: around * around.transpose() * curvature,
+        }
+    }
+}
+
+/// Torus about the frame's z axis.
+#[derive(Clone, Debug)]
+pub struct Torus {
+    frame: Frame,
+    major: f64,
+    minor: f64,
+}
+
+impl Torus {
+    pub(super) fn closest(&self, point: &Vec3) -> Foot {
+        let (radial, _, _) = cylindrical(&self.frame, point);
+        let center = self.frame.origin + radial * self.major;
+        let normal = (point - center).try_normalize(0.0).unwrap_or(radial);
+        let around = self.frame.z.cross(&radial);
+        let tube = normal.cross(&around);
+        let outward = normal.dot(&radial);
+        let distance = (self.major + self.minor * outward).max(SMALLEST_RADIUS * self.major);
+        let bending = tube * tube.transpose() / self.minor + around * around.transpose() * (outward / distance);
+        Foot { point: center + normal * self.minor, normal, bending }
+    }
+}
+
+/// The affine image of a surface.
+#[derive(Clone, Debug)]
+pub struct Image {
+    shape: Support,
+    map: Affine,
+    inverse: Affine,
+}
+
+/// Steps after which the iteration for an image gives up improving; near the surface each step gains several digits.
+const IMAGE_STEPS: usize = 60;
+
+impl Image {
+    /// The image of a support; `None` if the map is singular.
+    pub fn new(shape: Support, map: Affine) -> Option<Self> {
+        Some(Self { shape, map, inverse: map.try_inverse()? })
+    }
+
+    /// Foot by alternation: the tangent plane of the image at the last foot, the closest point on it pulled back, and the
+    /// closest point of the shape to that.
+    pub(super) fn closest(&self, point: &Vec3) -> Foot {
+        let mut foot = self.image_foot(&self.shape.closest(&self.pull_back(point)));
+        for _ in 0..IMAGE_STEPS {
+            let target = point - foot.normal * foot.normal.dot(&(point - foot.point));
+            let next = self.image_foot(&self.shape.closest(&self.pull_back(&target)));
+            let moved = (next.point - foot.point).norm();
+            foot = next;
+            if moved <= 4.0 * f64::EPSILON * foot.point.amax() {
+                break;
+            }
+        }
+        foot
+    }
+
+    fn pull_back(&self, point: &Vec3) -> Vec3 {
+        self.inverse.transform_point(&(*point).into()).coords
+    }
+
+    fn image_foot(&self, foot: &Foot) -> Foot {
+        let linear: Matrix3<f64> = self.inverse.matrix().fixed_view::<3, 3>(0, 0).into_owned();
+        let gradient = linear.transpose() * foot.normal;
+        let hessian = linear.transpose() * foot.bending * linear;
+        Foot {
+            point: self.map.transform_point(&foot.point.into()).coords,
+            normal: gradient.try_normalize(0.0).unwrap_or_else(|| any_normal_to(&foot.normal)),
+            bending: bending_of_level(&gradient, &hessian),
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "analytic_tests.rs"]
+mod tests;

@@ -1,0 +1,233 @@
+//! Bicubic B-spline patches fitted to scattered points (thesis 2.6, equations 2.34 to 2.41).
+//!
+//! The parameters of a point are its coordinates in a plane. A bicubic B-spline reproduces these two coordinates exactly
+//! and both energies vanish on them up to a constant, so that of the three components only the height over the plane is left
+//! to be solved for: F = |B c - p|² + lambda c' E c, that is (B'B + lambda E) c = B' p. The system is small (25 unknowns for
+//! 2 x 2 spans) and dense, so it is solved by Cholesky's method instead of the multigrid of the thesis' library.
+
+use super::plane::Plane;
+use super::support::{Foot, any_normal_to, bending_of_level};
+use crate::geom::Vec3;
+use nalgebra::{DMatrix, DVector, Matrix3};
+
+/// Smoothing term of the functional.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Deserialize, serde::Serialize)]
+pub enum Energy {
+    /// Second derivatives (equation 2.36).
+    #[default]
+    ThinPlate,
+    /// First derivatives (equation 2.37).
+    Membrane,
+}
+
+/// Weight of the smoothing term as a fraction of the data term's trace. Small, since vertices are exact samples: it only
+/// has to choose among the patches that meet them.
+const SMOOTHING: f64 = 1e-6;
+
+/// Spans per side of a patch: 5 x 5 control heights for about 15 points.
+const SPANS: usize = 2;
+const CONTROLS: usize = SPANS + 3;
+
+/// How far the parameter domain reaches past the points, as a fraction of their extent.
+const MARGIN: f64 = 0.05;
+
+/// Newton steps of the projection; each at least halves the error near the patch.
+const MAX_STEPS: usize = 30;
+
+/// A fitted patch: heights over a plane.
+#[derive(Clone, Debug)]
+pub struct BsplinePatch {
+    plane: Plane,
+    axes: [Vec3; 2],
+    low: [f64; 2],
+    span: [f64; 2],
+    controls: DVector<f64>,
+    error: f64,
+}
+
+impl BsplinePatch {
+    /// The patch over `plane` through `points`, nearly (at least three, not collinear in the plane); `None` if the points do
+    /// not determine one.
+    pub fn fit(plane: Plane, points: &[Vec3], energy: Energy) -> Option<Self> {
+        let u = any_normal_to(&plane.normal);
+        let axes = [u, plane.normal.cross(&u)];
+        let flat: Vec<[f64; 2]> = points.iter().map(|p| axes.map(|a| a.dot(&(p - plane.origin)))).collect();
+        let mut low = [f64::INFINITY; 2];
+        let mut span = [0.0; 2];
+        for k in 0..2 {
+            low[k] = flat.iter().map(|q| q[k]).fold(f64::INFINITY, f64::min);
+            let high = flat.iter().map(|q| q[k]).fold(f64::NEG_INFINITY, f64::max);
+            let extent = high - low[k];
+            low[k] -= MARGIN * extent;
+            span[k] = extent * (1.0 + 2.0 * MARGIN) / SPANS as f64;
+        }
+        if !(span[0] > 0.0 && span[1] > 0.0) {
+            return None;
+        }
+        let mut patch = Self { plane, axes, low, span, controls: DVector::zeros(CONTROLS * CONTROLS), error: 0.0 };
+        let heights = DVector::from_iterator(points.len(), points.iter().map(|p| plane.height(p)));
+        let mut data = DMatrix::zeros(points.len(), CONTROLS * CONTROLS);
+        for (row, q) in flat.iter().enumerate() {
+            let (i, j, wu, wv) = patch.basis(*q);
+            for (a, b) in (0..4).flat_map(|a| (0..4).map(move |b| (a, b))) {
+                data[(row, (i + a) * CONTROLS + j + b)] = wu[0][a] * wv[0][b];
+            }
+        }
+        let smooth = energy_matrix(energy, span);
+        let normal = data.transpose() * &data;
+        let weight = SMOOTHING * normal.trace() / smooth.trace();
+        patch.controls = (normal + smooth * weight).cholesky()?.solve(&(data.transpose() * &heights));
+        patch.error = flat.iter().zip(heights.iter()).map(|(q, h)| (patch.height(*q).0 - h).abs()).fold(0.0, f64::max);
+        patch.error.is_finite().then_some(patch)
+    }
+
+    /// Largest distance, along the plane's normal, of the fitted points.
+    pub fn error(&self) -> f64 {
+        self.error
+    }
+
+    /// The closest point of the patch; outside of the domain the patch goes on straight.
+    pub fn closest(&self, point: &Vec3) -> Foot {
+        let relative = point - self.plane.origin;
+        let target = self.axes.map(|a| a.dot(&relative));
+        let height = self.plane.height(point);
+        let mut q = target;
+        for _ in 0..MAX_STEPS {
+            // The foot on the tangent plane: solves (I + g g') step = (target - q) + (height - h) g.
+            let (h, g, _) = self.height(q);
+            let rest = height - h;
+            let r = [target[0] - q[0] + rest * g[0], target[1] - q[1] + rest * g[1]];
+            let scale = (r[0] * g[0] + r[1] * g[1]) / (1.0 + g[0] * g[0] + g[1] * g[1]);
+            let step = [r[0] - scale * g[0], r[1] - scale * g[1]];
+            q = [q[0] + step[0], q[1] + step[1]];
+            if libm::hypot(step[0], step[1]) <= f64::EPSILON * (self.span[0] + self.span[1]) {
+                break;
+            }
+        }
+        let (h, g, hess) = self.height(q);
+        let n = self.plane.normal;
+        let [u, v] = self.axes;
+        let gradient = n - u * g[0] - v * g[1];
+        let cross = u * v.transpose() + v * u.transpose();
+        let hessian: Matrix3<f64> = -(u * u.transpose() * hess[0] + cross * hess[1] + v * v.transpose() * hess[2]);
+        Foot {
+            point: self.plane.origin + u * q[0] + v * q[1] + n * h,
+            normal: gradient.normalize(),
+            bending: bending_of_level(&gradient, &hessian),
+        }
+    }
+
+    /// Height with gradient and second derivatives (uu, uv, vv) at plane coordinates.
+    fn height(&self, q: [f64; 2]) -> (f64, [f64; 2], [f64; 3]) {
+        let inside = [0, 1].map(|k| q[k].clamp(self.low[k], self.low[k] + self.span[k] * SPANS as f64));
+        let (i, j, wu, wv) = self.basis(inside);
+        let sum = |du: usize, dv: usize| -> f64 {
+            let terms = (0..4).flat_map(|a| (0..4).map(move |b| (a, b)));
+            terms.map(|(a, b)| wu[du][a] * wv[dv][b] * self.controls[(i + a) * CONTROLS + j + b]).sum()
+        };
+        let [su, sv] = self.span;
+        let g = [sum(1, 0) / su, sum(0, 1) / sv];
+        let out = [q[0] - inside[0], q[1] - inside[1]];
+        let hess =
+            if out == [0.0; 2] { [sum(2, 0) / (su * su), sum(1, 1) / (su * sv), sum(0, 2) / (sv * sv)] } else { [0.0; 3] };
+        (sum(0, 0) + g[0] * out[0] + g[1] * out[1], g, hess)
+    }
+
+    /// First control row and column and the weights of value and two derivatives, per direction.
+    fn basis(&self, q: [f64; 2]) -> (usize, usize, [[f64; 4]; 3], [[f64; 4]; 3]) {
+        let locate = |k: usize| {
+            let t = ((q[k] - self.low[k]) / self.span[k]).clamp(0.0, SPANS as f64);
+            let first = (t as usize).min(SPANS - 1);
+            (first, cubic_basis(t - first as f64))
+        };
+        let ((i, wu), (j, wv)) = (locate(0), locate(1));
+        (i, j, wu, wv)
+    }
+}
+
+/// The four uniform cubic B-splines that live on a span, at t in [0, 1]: values, first and second derivatives.
+fn cubic_basis(t: f64) -> [[f64; 4]; 3] {
+    let s = 1.0 - t;
+    [
+        [
+            s * s * s / 6.0,
+            (3.0 * t * t * t - 6.0 * t * t + 4.0) / 6.0,
+            (3.0 * s * s * s - 6.0 * s * s + 4.0) / 6.0,
+            t * t * t / 6.0,
+        ],
+        [-s * s / 2.0, (3.0 * t * t - 4.0 * t) / 2.0, -(3.0 * s * s - 4.0 * s) / 2.0, t * t / 2.0],
+        [s, 3.0 * t - 2.0, 3.0 * s - 2.0, t],
+    ]
+}
+
+/// The energy as a quadratic form of the control heights, for spans of these lengths.
+fn energy_matrix(energy: Energy, span: [f64; 2]) -> DMatrix<f64> {
+    let gram = |order: usize, length: f64| gram_matrix(order) * length.powi(1 - 2 * order as i32);
+    let pair = |a: usize, b: usize| gram(a, span[0]).kronecker(&gram(b, span[1]));
+    match energy {
+        Energy::ThinPlate => pair(2, 0) + pair(1, 1) * 2.0 + pair(0, 2),
+        Energy::Membrane => pair(1, 0) + pair(0, 1),
+    }
+}
+
+/// Integrals of products of derivatives of the one-dimensional basis over all spans of length 1, exact: four Gauss points for
+/// polynomials of degree 6.
+fn gram_matrix(order: usize) -> DMatrix<f64> {
+    const NODES: [(f64, f64); 4] = [
+        (-0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
+        (-0.339_981_043_584_856_26, 0.652_145_154_862_546_1),
+        (0.339_981_043_584_856_26, 0.652_145_154_862_546_1),
+        (0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
+    ];
+    let mut gram = DMatrix::zeros(CONTROLS, CONTROLS);
+    for (first, (x, w)) in (0..SPANS).flat_map(|s| NODES.map(|n| (s, n))) {
+        let weights = cubic_basis(0.5 + 0.5 * x)[order];
+        for (a, b) in (0..4).flat_map(|a| (0..4).map(move |b| (a, b))) {
+            gram[(first + a, first + b)] += 0.5 * w * weights[a] * weights[b];
+        }
+    }
+    gram
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sphere_samples(radius: f64, step: f64) -> Vec<Vec3> {
+        let at = |i: i32, j: i32| {
+            let (x, y) = (f64::from(i) * step, f64::from(j) * step);
+            Vec3::new(x, y, (radius * radius - x * x - y * y).sqrt())
+        };
+        (-2..=2).flat_map(|i| (-1..=1).map(move |j| (i, j))).map(|(i, j)| at(i, j)).collect()
+    }
+
+    #[test]
+    fn basis_sums_to_one_and_its_derivatives_to_zero() {
+        for t in [0.0, 0.3, 1.0] {
+            let sums = cubic_basis(t).map(|w| w.iter().sum::<f64>());
+            assert!((sums[0] - 1.0).abs() < 1e-15 && sums[1].abs() < 1e-15 && sums[2].abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn plane_points_give_the_plane() {
+        let plane = Plane::new(Vec3::zeros(), Vec3::z()).unwrap();
+        let points: Vec<Vec3> = sphere_samples(100.0, 10.0).iter().map(|p| Vec3::new(p.x, p.y, 1.0 + 0.1 * p.x)).collect();
+        let patch = BsplinePatch::fit(plane, &points, Energy::ThinPlate).unwrap();
+        assert!(patch.error() < 1e-9);
+        let foot = patch.closest(&Vec3::new(5.0, 3.0, 4.0));
+        assert!((foot.point.z - 1.0 - 0.1 * foot.point.x).abs() < 1e-9);
+        assert!(foot.bending.norm() < 1e-9);
+    }
+
+    #[test]
+    fn fifteen_points_of_the_thesis_sphere_give_it_to_a_percent() {
+        let radius = 100.0;
+        let plane = Plane::new(Vec3::new(0.0, 0.0, radius), Vec3::z()).unwrap();
+        let patch = BsplinePatch::fit(plane, &sphere_samples(radius, 20.0), Energy::ThinPlate).unwrap();
+        assert!(patch.error() < 0.01);
+        let foot = patch.closest(&Vec3::new(7.0, 4.0, 98.0));
+        assert!((foot.point.norm() - radius).abs() < 0.05, "{}", foot.point.norm());
+        assert!((foot.mean_curvature() * radius - 1.0).abs() < 0.2, "{}", foot.mean_curvature());
+    }
+}

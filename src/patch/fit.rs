@@ -1,0 +1,275 @@
+//! Supports of a complex: exact ones by shape, fitted ones from facets and their neighbours (thesis 4.2.1, 4.2.2, 6.2).
+
+use super::analytic::support_of_shape;
+use super::bspline::{BsplinePatch, Energy};
+use super::plane::Plane;
+use super::support::{Foot, Support};
+use crate::brep::complex::Complex;
+use crate::geom::Vec3;
+use crate::geom::aabb::Aabb;
+use crate::geom::bvh::Bvh;
+use crate::ids::{IdVec, LeafId, SurfaceId};
+use crate::primitive::solid::{Freedom, Shape};
+use crate::scene::model::PatchMode;
+use rayon::prelude::*;
+use std::cell::Cell;
+use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
+
+/// A patch is dropped for its facet's plane if it errs by more than this fraction of its extent (thesis 4.2.2: 2 %).
+const MAX_ERROR: f64 = 0.02;
+
+/// Points that shape a patch: the thesis takes 15 by count; here neighbours are gathered until they also cover this many
+/// times the facet's area (thesis 6.2), at most 30 of them.
+const POINTS: usize = 15;
+const MOST_POINTS: usize = 30;
+const AREA_FACTOR: f64 = 9.0;
+
+/// Neighbours across an edge that bends more than this (40 degrees) belong to another smooth piece.
+const CREASE_COSINE: f64 = 0.766;
+
+/// The support of every surface of the complex, in order; `None` for flat ones, whose facets carry their own planes.
+/// Must run on the complex as evaluated: killed facets shape the patches. Linear up to the box trees' logarithm.
+pub fn supports_of(complex: &Complex, patches: PatchMode) -> IdVec<SurfaceId, Option<Arc<Support>>> {
+    let fitted = |surface: SurfaceId| Some(Arc::new(Support::Fitted(Box::new(FittedSurface::of(complex, surface)))));
+    complex
+        .surfaces
+        .enumerate()
+        .map(|(id, surface)| match (&surface.shape, patches) {
+            (Shape::Plane, _) => None,
+            (Shape::Sampled, _) | (_, PatchMode::BSpline) => fitted(id),
+            (shape, PatchMode::Analytic) => support_of_shape(shape).map(Arc::new),
+        })
+        .collect()
+}
+
+/// A surface known by its facets: a patch or plane for each facet of the leaf.
+#[derive(Clone, Debug)]
+pub struct FittedSurface {
+    triangles: Vec<[Vec3; 3]>,
+    patch_of_triangle: Vec<u32>,
+    tree: Bvh,
+    patches: Vec<LocalPatch>,
+}
+
+#[derive(Clone, Debug)]
+enum LocalPatch {
+    Plane(Plane),
+    Bspline(BsplinePatch),
+}
+
+impl FittedSurface {
+    /// Fits all facets of a surface, from its retained and its killed facets.
+    pub fn of(complex: &Complex, surface: SurfaceId) -> Self {
+        Self::fit(&Sample::of(complex, surface))
+    }
+
+    fn fit(sample: &Sample) -> Self {
+        let patches: Vec<LocalPatch> = sample.facets.par_iter().map(|facet| sample.fit_facet(facet)).collect();
+        let triangles: Vec<[Vec3; 3]> = sample.triangles.iter().map(|t| t.0.map(|v| sample.points[v as usize])).collect();
+        let boxes = triangles.iter().map(|t| Aabb::around(t.iter())).collect();
+        let patch_of_triangle = sample.triangles.iter().map(|t| t.1).collect();
+        Self { triangles, patch_of_triangle, tree: Bvh::new(boxes), patches }
+    }
+
+    pub(super) fn closest(&self, point: &Vec3) -> Foot {
+        let nearest = self.nearest_triangle(point);
+        match nearest.map(|t| &self.patches[self.patch_of_triangle[t as usize] as usize]) {
+            Some(LocalPatch::Plane(plane)) => plane.closest(point),
+            Some(LocalPatch::Bspline(patch)) => patch.closest(point),
+            None => Foot { point: *point, normal: Vec3::z(), bending: nalgebra::Matrix3::zeros() },
+        }
+    }
+
+    /// Nearest triangle, the first of equally near ones.
+    fn nearest_triangle(&self, point: &Vec3) -> Option<u32> {
+        let best = Cell::new((f64::INFINITY, u32::MAX));
+        let near = |b: &Aabb| {
+            let gap = (b.lo - point).sup(&(point - b.hi)).sup(&Vec3::zeros());
+            gap.norm_squared() <= best.get().0
+        };
+        self.tree.search(near, |t| {
+            let foot = closest_on_triangle(&self.triangles[t as usize], point);
+            let distance = (foot - point).norm_squared();
+            let (least, first) = best.get();
+            if distance < least || (distance == least && t < first) {
+                best.set((distance, t));
+            }
+        });
+        (best.get().1 != u32::MAX).then_some(best.get().1)
+    }
+
+    /// How many facets fell back to their plane, and how many there are.
+    pub fn plane_count(&self) -> (usize, usize) {
+        (self.patches.iter().filter(|p| matches!(p, LocalPatch::Plane(_))).count(), self.patches.len())
+    }
+}
+
+/// The closest point of a triangle (Ericson, Real-Time Collision Detection, 5.1.5).
+pub fn closest_on_triangle([a, b, c]: &[Vec3; 3], p: &Vec3) -> Vec3 {
+    let (ab, ac, ap) = (b - a, c - a, p - a);
+    let (d1, d2) = (ab.dot(&ap), ac.dot(&ap));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return *a;
+    }
+    let bp = p - b;
+    let (d3, d4) = (ab.dot(&bp), ac.dot(&bp));
+    if d3 >= 0.0 && d4 <= d3 {
+        return *b;
+    }
+    let vc = d1 * d4 - d3 * d2;
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 && d1 > d3 {
+        return a + ab * (d1 / (d1 - d3));
+    }
+    let cp = p - c;
+    let (d5, d6) = (ab.dot(&cp), ac.dot(&cp));
+    if d6 >= 0.0 && d5 <= d6 {
+        return *c;
+    }
+    let vb = d5 * d2 - d1 * d6;
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 && d2 > d6 {
+        return a + ac * (d2 / (d2 - d6));
+    }
+    let va = d3 * d6 - d5 * d4;
+    let (e, f) = (d4 - d3, d5 - d6);
+    if va <= 0.0 && e >= 0.0 && f >= 0.0 && e + f > 0.0 {
+        return b + (c - b) * (e / (e + f));
+    }
+    let sum = va + vb + vc;
+    if sum > 0.0 { a + ab * (vb / sum) + ac * (vc / sum) } else { *a }
+}
+
+/// The facets of a surface as triangles over common vertices.
+struct Sample {
+    points: Vec<Vec3>,
+    /// Whether the vertex was made by the intersection, on facets instead of the true surface.
+    is_cut: Vec<bool>,
+    /// Corners and facet.
+    triangles: Vec<([u32; 3], u32)>,
+    /// Triangles of each facet of the leaf.
+    facets: Vec<Vec<u32>>,
+    neighbours: HashMap<[u32; 2], Vec<u32>>,
+}
+
+impl Sample {
+    fn of(complex: &Complex, surface: SurfaceId) -> Self {
+        let mut sample = Self {
+            points: Vec::new(),
+            is_cut: Vec::new(),
+            triangles: Vec::new(),
+            facets: Vec::new(),
+            neighbours: HashMap::new(),
+        };
+        let mut slot_of_point: HashMap<[u64; 3], u32> = HashMap::new();
+        let mut slot_of_facet: BTreeMap<(LeafId, u32), u32> = BTreeMap::new();
+        let mut add = |source: (LeafId, u32), corners: [(Vec3, bool); 3]| {
+            let next = slot_of_facet.len() as u32;
+            let facet = *slot_of_facet.entry(source).or_insert(next);
+            let triangle = corners.map(|(point, is_cut)| {
+                // Adding zero makes -0 and 0 one key.
+                let key = [point.x, point.y, point.z].map(|x| (x + 0.0).to_bits());
+                *slot_of_point.entry(key).or_insert_with(|| {
+                    sample.points.push(point);
+                    sample.is_cut.push(is_cut);
+                    sample.points.len() as u32 - 1
+                })
+            });
+            sample.triangles.push((triangle, facet));
+        };
+        for facet in complex.facets.iter().filter(|f| f.surface == surface) {
+            for t in &facet.triangles {
+                let corner = |v| (complex.vertices[v].point, complex.vertices[v].freedom == Freedom::Intersection);
+                add(facet.source, t.map(corner));
+            }
+        }
+        // Killed facets know their leaf only; they belong here if the leaf has no other surface of this kind.
+        let leaf = complex.surfaces[surface].leaf;
+        let owner: BTreeMap<(LeafId, u32), SurfaceId> =
+            complex.facets.iter().filter(|f| f.source.0 == leaf).map(|f| (f.source, f.surface)).collect();
+        let is_only = complex.surfaces.iter().filter(|s| s.leaf == leaf).count() == 1;
+        for killed in complex.killed.iter().filter(|k| k.source.0 == leaf) {
+            if owner.get(&killed.source).map_or(is_only, |s| *s == surface) {
+                add(killed.source, killed.triangle.map(|p| (p, false)));
+            }
+        }
+        sample.facets = vec![Vec::new(); slot_of_facet.len()];
+        for (t, (corners, facet)) in sample.triangles.iter().enumerate() {
+            sample.facets[*facet as usize].push(t as u32);
+            for k in 0..3 {
+                let (a, b) = (corners[k], corners[(k + 1) % 3]);
+                sample.neighbours.entry([a.min(b), a.max(b)]).or_default().push(t as u32);
+            }
+        }
+        sample
+    }
+
+    fn area_vector(&self, triangle: u32) -> Vec3 {
+        let [a, b, c] = self.triangles[triangle as usize].0.map(|v| self.points[v as usize]);
+        (b - a).cross(&(c - a)) * 0.5
+    }
+
+    /// The patch of one facet, or its plane (2 % rule).
+    fn fit_facet(&self, facet: &[u32]) -> LocalPatch {
+        let normal: Vec3 = facet.iter().map(|&t| self.area_vector(t)).sum();
+        let corners: Vec<Vec3> =
+            facet.iter().flat_map(|&t| self.triangles[t as usize].0).map(|v| self.points[v as usize]).collect();
+        let center = corners.iter().sum::<Vec3>() / corners.len() as f64;
+        let plane = Plane::new(center, normal).unwrap_or(Plane { origin: center, normal: Vec3::z() });
+        let points = self.neighbourhood(facet, normal.norm());
+        let size = Aabb::around(points.iter()).diagonal();
+        match BsplinePatch::fit(plane, &points, Energy::ThinPlate) {
+            Some(patch) if points.len() > 3 && patch.error() <= MAX_ERROR * size => LocalPatch::Bspline(patch),
+            _ => LocalPatch::Plane(plane),
+        }
+    }
+
+    /// Vertices around a facet, ring by ring over smooth edges, until there are enough of them and they cover enough area.
+    fn neighbourhood(&self, facet: &[u32], own_area: f64) -> Vec<Vec3> {
+        let mut triangles: Vec<u32> = facet.to_vec();
+        let mut seen: std::collections::HashSet<u32> = facet.iter().copied().collect();
+        let mut vertices: Vec<u32> = Vec::new();
+        let (mut next, mut area) = (0, 0.0);
+        while next < triangles.len() {
+            let t = triangles[next];
+            let corners = self.triangles[t as usize].0;
+            let normal = self.area_vector(t);
+            vertices.extend(corners.iter().filter(|v| !vertices.contains(v)).copied().collect::<Vec<_>>());
+            area += normal.norm();
+            next += 1;
+            let is_enough = vertices.len() >= POINTS && area >= AREA_FACTOR * own_area;
+            if next >= facet.len() && (is_enough || vertices.len() >= MOST_POINTS) {
+                break;
+            }
+            for k in 0..3 {
+                let (a, b) = (corners[k], corners[(k + 1) % 3]);
+                let around = self.neighbours.get(&[a.min(b), a.max(b)]).map_or(&[][..], |n| n);
+                for &n in around {
+                    let other = self.area_vector(n);
+                    let is_smooth = other.dot(&normal) >= CREASE_COSINE * other.norm() * normal.norm();
+                    if is_smooth && seen.insert(n) {
+                        triangles.push(n);
+                    }
+                }
+            }
+        }
+        let on_surface: Vec<u32> = vertices.iter().copied().filter(|&v| !self.is_cut[v as usize]).collect();
+        let chosen = if on_surface.len() >= POINTS.min(6) { on_surface } else { vertices };
+        chosen.iter().map(|&v| self.points[v as usize]).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn closest_on_triangle_in_all_zones() {
+        let t = [Vec3::zeros(), Vec3::new(4.0, 0.0, 0.0), Vec3::new(0.0, 4.0, 0.0)];
+        let foot = |x, y| closest_on_triangle(&t, &Vec3::new(x, y, 1.0));
+        assert_eq!(foot(1.0, 1.0), Vec3::new(1.0, 1.0, 0.0));
+        assert_eq!(foot(-1.0, -1.0), Vec3::zeros());
+        assert_eq!(foot(2.0, -3.0), Vec3::new(2.0, 0.0, 0.0));
+        assert_eq!(foot(9.0, 0.0), Vec3::new(4.0, 0.0, 0.0));
+        assert_eq!(foot(4.0, 4.0), Vec3::new(2.0, 2.0, 0.0));
+    }
+}

@@ -1,0 +1,105 @@
+//! The one interface of all supports: where the surface is, how it lies there and how it bends.
+
+use super::analytic::{Cone, Ellipsoid, Image, Torus};
+use super::fit::FittedSurface;
+use super::plane::Plane;
+use crate::geom::Vec3;
+use nalgebra::Matrix3;
+
+/// A point of a surface with its second-order neighbourhood.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Foot {
+    /// The point.
+    pub point: Vec3,
+    /// Unit normal; its sense is the surface's own, not that of any facet.
+    pub normal: Vec3,
+    /// Second fundamental form: the normal curvature along a unit tangent t is `t' * bending * t`, positive where the surface
+    /// bends away from its normal (outside of a sphere). Symmetric, zero along the normal.
+    pub bending: Matrix3<f64>,
+}
+
+impl Foot {
+    /// Normal curvature along a direction (its component along the normal does not count); 0 for a zero direction.
+    pub fn curvature_along(&self, direction: &Vec3) -> f64 {
+        let tangent = direction - self.normal * self.normal.dot(direction);
+        let square = tangent.norm_squared();
+        if square > 0.0 { (tangent.transpose() * self.bending * tangent)[0] / square } else { 0.0 }
+    }
+
+    /// The principal curvatures with their directions, the larger magnitude first. (Eigenvalues of the second fundamental
+    /// form in the tangent plane.)
+    pub fn principal(&self) -> [(f64, Vec3); 2] {
+        let u = any_normal_to(&self.normal);
+        let v = self.normal.cross(&u);
+        let (bu, bv) = (self.bending * u, self.bending * v);
+        let (a, b, c) = (u.dot(&bu), u.dot(&bv), v.dot(&bv));
+        let (mean, half) = ((a + c) * 0.5, (a - c) * 0.5);
+        let radius = libm::hypot(half, b);
+        let turn = 0.5 * libm::atan2(b, half);
+        let (s, k) = (libm::sin(turn), libm::cos(turn));
+        let (first, second) = ((mean + radius, u * k + v * s), (mean - radius, v * k - u * s));
+        if first.0.abs() >= second.0.abs() { [first, second] } else { [second, first] }
+    }
+
+    /// Average of the principal curvatures (thesis 4.2.2, note i).
+    pub fn mean_curvature(&self) -> f64 {
+        self.bending.trace() * 0.5
+    }
+}
+
+/// A unit vector normal to a unit vector; the same for the same input.
+pub fn any_normal_to(normal: &Vec3) -> Vec3 {
+    let mut axis = Vec3::zeros();
+    axis[normal.iamin()] = 1.0;
+    normal.cross(&axis).normalize()
+}
+
+/// The second fundamental form of a level surface from gradient and Hessian of its function, about the unit gradient.
+pub fn bending_of_level(gradient: &Vec3, hessian: &Matrix3<f64>) -> Matrix3<f64> {
+    let length = gradient.norm();
+    let n = gradient / length;
+    let tangential = Matrix3::identity() - n * n.transpose();
+    tangential * hessian * tangential / length
+}
+
+/// The true surface of facets.
+#[derive(Clone, Debug)]
+pub enum Support {
+    /// Flat.
+    Plane(Plane),
+    /// Circular cylinder or cone.
+    Cone(Cone),
+    /// Ellipsoid or sphere.
+    Ellipsoid(Ellipsoid),
+    /// Torus.
+    Torus(Torus),
+    /// Affine image of one of the others.
+    Image(Box<Image>),
+    /// B-spline patches, one per facet (planes where those err).
+    Fitted(Box<FittedSurface>),
+}
+
+impl Support {
+    /// The closest point of the surface. Exact for analytic surfaces up to rounding; for images and fitted patches a local
+    /// iteration that is exact for points near the surface. A point with several closest ones (a centre, an axis) gets one.
+    pub fn closest(&self, point: &Vec3) -> Foot {
+        match self {
+            Self::Plane(s) => s.closest(point),
+            Self::Cone(s) => s.closest(point),
+            Self::Ellipsoid(s) => s.closest(point),
+            Self::Torus(s) => s.closest(point),
+            Self::Image(s) => s.closest(point),
+            Self::Fitted(s) => s.closest(point),
+        }
+    }
+
+    /// Distance of a point to the surface.
+    pub fn distance(&self, point: &Vec3) -> f64 {
+        (self.closest(point).point - point).norm()
+    }
+
+    /// Whether it is flat.
+    pub fn is_plane(&self) -> bool {
+        matches!(self, Self::Plane(_))
+    }
+}

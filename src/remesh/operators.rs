@@ -1,0 +1,238 @@
+//! The four local operators: each tests legality, applies, and reports what it touched (thesis Table 4.1).
+//!
+//! Common rules: no triangle flips or leaves the allowed deviation further than its predecessors did, planar facets stay
+//! simple, freedoms are respected. What else an operation must improve is up to the caller.
+
+use super::polygons::Change;
+use super::quality::sharpest_cosine;
+use super::workpiece::{Measure, Place, Workpiece, sorted};
+use crate::brep::complex::ComplexVertex;
+use crate::brep::local::{Collapse, Swap, Touched};
+use crate::brep::store::EdgeId;
+use crate::geom::Vec3;
+use crate::ids::{FacetId, Id, VertexId};
+use crate::primitive::solid::Freedom;
+
+/// Least gain, in the cosine of the smallest angle (a tenth of a degree), for which an angle is raised: without it, a patch would
+/// creep towards its best shape in endless tiny steps.
+const LEAST_GAIN: f64 = 1e-3;
+
+/// What an operation would do to quality.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) struct Effect {
+    /// The worst of the triangles there are.
+    pub before: Measure,
+    /// The worst of the triangles there would be.
+    pub after: Measure,
+}
+
+impl Effect {
+    /// Nothing flips, and the deviation is within the bound or not worse than it was.
+    pub fn is_legal(&self) -> bool {
+        !self.after.is_flipped && self.after.excess <= self.before.excess.max(1.0)
+    }
+    /// Legal, and the smallest angle rises.
+    pub fn is_better(&self) -> bool {
+        self.is_legal() && self.after.cosine < self.before.cosine - LEAST_GAIN
+    }
+}
+
+/// Split.
+impl Workpiece {
+    /// Splits an edge in the middle, on its true curve or surface if it can, and says what was touched; `None` if it would
+    /// harm a polygon or flip a triangle.
+    pub fn split(&mut self, edge: EdgeId) -> Option<Touched> {
+        let ends = self.brep.topology.ends(edge);
+        let [a, b] = ends.map(|v| self.point(v));
+        let middle = (a + b) * 0.5;
+        let around: Vec<FacetId> = self.brep.topology.facets_around(edge).collect();
+        let treated: Vec<FacetId> = around.iter().copied().filter(|&f| self.is_treated(f)).collect();
+        let surface = self.brep.facets[*treated.first()?].surface;
+        let curve = self.curve_of(edge);
+        let is_feature = self.brep.is_feature(edge);
+        let (place, freedom) = match curve {
+            Some(c) => (Place::Curve(c), Freedom::Edge),
+            None if is_feature => return None,
+            None => (Place::Surface(surface), Freedom::Surface),
+        };
+        let home = match curve {
+            Some(c) => self.curves[c].closest(&middle).map(|f| f.point),
+            None => self.supports[surface].as_ref().map(|s| s.closest(&middle).point),
+        };
+        let allowed = |at: &Vec3| {
+            treated.iter().all(|&f| self.split_keeps_sense(f, ends, at))
+                && around
+                    .iter()
+                    .filter(|f| !treated.contains(f))
+                    .all(|&f| self.polygon_stays_simple(f, Change::Insert { ends, at: *at }))
+        };
+        let at = home.into_iter().chain([middle]).find(|at| *at != a && *at != b && allowed(at))?;
+        let senses: Vec<f64> = treated.iter().map(|f| self.sense[f.index()]).collect();
+        let sources: Vec<_> = treated.iter().map(|&f| self.brep.facets[f].surface).collect();
+        let flags = &self.is_treated;
+        let touched = self
+            .brep
+            .split_edge(edge, ComplexVertex { point: at, freedom }, |_, f| flags.get(f.index()).copied().unwrap_or(false));
+        let vertex = touched.vertex?;
+        self.register(&[], 1.0);
+        // Pieces of treated triangles are the triangles at the new vertex.
+        for &facet in &touched.facets {
+            if !self.corners(facet).is_some_and(|t| t.contains(&vertex)) {
+                continue;
+            }
+            let surface = self.brep.facets[facet].surface;
+            let alike = treated.iter().position(|&t| t == facet).or_else(|| sources.iter().position(|&s| s == surface));
+            let sense = self.visible_sense(facet).or(alike.map(|k| senses[k]));
+            self.register(&[facet], sense.unwrap_or(1.0));
+        }
+        if self.places.len() <= vertex.index() {
+            self.places.resize(vertex.index() + 1, Place::Corner);
+            self.sizes.resize(vertex.index() + 1, f64::INFINITY);
+        }
+        self.places[vertex.index()] = place;
+        self.sizes[vertex.index()] = 0.5 * (self.sizes[ends[0].index()] + self.sizes[ends[1].index()]);
+        Some(touched)
+    }
+
+    fn split_keeps_sense(&self, facet: FacetId, [a, b]: [VertexId; 2], at: &Vec3) -> bool {
+        let Some(corners) = self.corners(facet) else { return false };
+        let before = self.measure_facet(facet);
+        [a, b].iter().all(|gone| {
+            let piece = corners.map(|v| if v == *gone { *at } else { self.point(v) });
+            let after = self.measure(facet, piece);
+            !after.is_flipped || before.is_flipped
+        })
+    }
+}
+
+/// Collapse.
+impl Workpiece {
+    /// What contracting an edge onto its other end would do; `None` if topology, freedoms or polygons forbid it.
+    pub fn plan_collapse(&self, edge: EdgeId, gone: VertexId) -> Option<(Collapse, Effect)> {
+        let kept = self.brep.topology.other_end(edge, gone);
+        let is_feature = self.brep.is_feature(edge);
+        match self.place(gone) {
+            Place::Corner => return None,
+            Place::Curve(_) if !is_feature => return None,
+            Place::Curve(_) if !self.is_active(edge) => return None,
+            _ => {}
+        }
+        let plan = self.brep.plan_collapse(edge, gone).ok()?;
+        let at = self.point(kept);
+        let mut effect = Effect { before: self.worst(&self.star(gone)), after: Measure::BEST };
+        for &facet in &plan.changed {
+            if self.is_treated(facet) {
+                let corners = self.corners(facet)?;
+                let moved = corners.map(|v| if v == gone { at } else { self.point(v) });
+                effect.after = effect.after.worse_of(self.measure(facet, moved));
+            } else if !self.polygon_stays_simple(facet, Change::Merge { gone, kept }) {
+                return None;
+            }
+        }
+        if let Place::Curve(c) = self.place(gone) {
+            let beyond = self.next_on_curve(gone, edge)?;
+            let old = self.curve_excess(c, &self.point(gone), &at);
+            let old = old.max(self.curve_excess(c, &self.point(gone), &self.point(beyond)));
+            effect.before.excess = effect.before.excess.max(old);
+            effect.after.excess = effect.after.excess.max(self.curve_excess(c, &at, &self.point(beyond)));
+        }
+        Some((plan, effect))
+    }
+
+    /// The other neighbour of a vertex along its curve.
+    fn next_on_curve(&self, vertex: VertexId, edge: EdgeId) -> Option<VertexId> {
+        let next = self.brep.topology.edges_at(vertex).find(|&e| e != edge && self.brep.is_feature(e))?;
+        Some(self.brep.topology.other_end(next, vertex))
+    }
+
+    /// Contracts an edge.
+    pub fn collapse(&mut self, plan: &Collapse) -> Touched {
+        if let Place::Curve(c) = self.place(plan.gone)
+            && self.place(plan.kept) == Place::Corner
+            && let Some(beyond) = self.next_on_curve(plan.gone, plan.edge)
+            && self.place(beyond) == Place::Corner
+        {
+            self.lone_edges.insert(sorted([plan.kept, beyond]), c);
+        }
+        let touched = self.brep.collapse(plan);
+        for f in &touched.removed_facets {
+            self.is_treated[f.index()] = false;
+        }
+        touched
+    }
+}
+
+/// Swap.
+impl Workpiece {
+    /// What replacing an edge by the other diagonal would do.
+    pub fn plan_swap(&self, edge: EdgeId) -> Option<(Swap, Effect)> {
+        let plan = self.brep.plan_swap(edge).ok()?;
+        let [f, g] = plan.facets;
+        if !self.is_treated(f) || !self.is_treated(g) || self.brep.is_feature(edge) {
+            return None;
+        }
+        let ([a, b], [c, d]) = (plan.ends.map(|v| self.point(v)), plan.opposite.map(|v| self.point(v)));
+        let before = self.measure_facet(f).worse_of(self.measure_facet(g));
+        let after = self.measure(f, [c, d, b]).worse_of(self.measure(f, [d, c, a]));
+        Some((plan, Effect { before, after }))
+    }
+
+    /// Swaps an edge.
+    pub fn swap(&mut self, plan: &Swap) -> Touched {
+        let sense = self.sense[plan.facets[0].index()];
+        for f in plan.facets {
+            self.is_treated[f.index()] = false;
+        }
+        let touched = self.brep.swap(plan);
+        self.register(&touched.facets, sense);
+        touched
+    }
+}
+
+/// Relocate.
+impl Workpiece {
+    /// What moving a vertex would do; `None` if polygons forbid it or an angle gets so small that its cosine passes `limit`.
+    pub fn plan_move(&self, vertex: VertexId, star: &[FacetId], before: Measure, to: &Vec3, limit: f64) -> Option<Effect> {
+        let moved = |facet| self.corners(facet).map(|t| t.map(|v| if v == vertex { *to } else { self.point(v) }));
+        // Shapes first: they cost a tenth of a look at the supports.
+        for &facet in star {
+            let [a, b, c] = moved(facet)?;
+            if sharpest_cosine([&a, &b, &c]) > limit {
+                return None;
+            }
+        }
+        let mut after = Measure::BEST;
+        for &facet in star {
+            after = after.worse_of(self.measure(facet, moved(facet)?));
+            if after.is_flipped && !before.is_flipped {
+                return None;
+            }
+        }
+        if let Place::Curve(c) = self.place(vertex) {
+            for edge in self.brep.topology.edges_at(vertex).filter(|&e| self.brep.is_feature(e)) {
+                let other = self.point(self.brep.topology.other_end(edge, vertex));
+                after.excess = after.excess.max(self.curve_excess(c, &other, to));
+            }
+        }
+        let polygons = self.polygons_at(vertex);
+        let is_clear = polygons.iter().all(|&f| self.polygon_stays_simple(f, Change::Move { vertex, to: *to }));
+        is_clear.then_some(Effect { before, after })
+    }
+
+    /// The worst triangle of a vertex's star, its feature edges included.
+    pub fn worst_at(&self, vertex: VertexId, star: &[FacetId]) -> Measure {
+        let mut worst = self.worst(star);
+        if let Place::Curve(c) = self.place(vertex) {
+            for edge in self.brep.topology.edges_at(vertex).filter(|&e| self.brep.is_feature(e)) {
+                let other = self.point(self.brep.topology.other_end(edge, vertex));
+                worst.excess = worst.excess.max(self.curve_excess(c, &other, &self.point(vertex)));
+            }
+        }
+        worst
+    }
+
+    /// Moves a vertex.
+    pub fn relocate(&mut self, vertex: VertexId, to: Vec3) {
+        self.brep.vertices[vertex].point = to;
+    }
+}

@@ -1,0 +1,167 @@
+//! Where vertices go.
+
+use super::operators::Effect;
+use super::quality::cosine_of_degrees;
+use super::workpiece::{Place, Workpiece};
+use crate::geom::Vec3;
+use crate::ids::{Id, VertexId};
+use crate::patch::curve::project_on_all;
+use crate::patch::support::any_normal_to;
+use crate::primitive::solid::Freedom;
+
+/// What a vertex is to move towards.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Aim {
+    /// Its true curve, surface or corner.
+    Home,
+    /// The middle of its neighbours, weighted so that edges get their wanted lengths.
+    Middle,
+}
+
+/// Shares of the way that are tried when the whole way is not legal.
+const SHARES: [f64; 3] = [1.0, 0.5, 0.25];
+
+/// Smoothing may lower the smallest angle at a vertex as long as it stays above this, in degrees.
+const FINE: f64 = 38.0;
+/// A vertex that goes home may squeeze triangles to this; later passes repair them.
+const SQUEEZED: f64 = 5.0;
+
+/// Steps of the pattern search for the best place.
+const SEARCH_STEPS: usize = 12;
+
+impl Workpiece {
+    /// Moves a vertex towards its aim as far as that is legal; whether it moved.
+    pub fn relocate_towards(&mut self, vertex: VertexId, aim: Aim) -> bool {
+        let from = self.point(vertex);
+        let target = match aim {
+            Aim::Home => self.true_place(vertex),
+            Aim::Middle => self.middle(vertex),
+        };
+        let Some(target) = target.filter(|t| (t - from).norm_squared() > 0.0) else { return false };
+        let star = self.star(vertex);
+        let before = self.worst_at(vertex, &star);
+        let floor = cosine_of_degrees(if aim == Aim::Home { SQUEEZED } else { FINE });
+        for share in SHARES {
+            let step = from + (target - from) * share;
+            let to = if aim == Aim::Home { step } else { self.home(vertex, &step) };
+            let Some(effect) = self.plan_move(vertex, &star, before, &to, before.cosine.max(floor)) else { continue };
+            let is_good = match aim {
+                Aim::Home => !effect.after.is_flipped || before.is_flipped,
+                Aim::Middle => effect.is_legal(),
+            };
+            if is_good {
+                self.relocate(vertex, to);
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Where a vertex ought to be; `None` if it may not move. Corners made by an intersection of facets belong where all of
+    /// their surfaces meet.
+    fn true_place(&self, vertex: VertexId) -> Option<Vec3> {
+        let point = self.point(vertex);
+        if self.is_movable(vertex) {
+            return Some(self.home(vertex, &point));
+        }
+        if self.brep.vertices[vertex].freedom != Freedom::Intersection || self.is_held(vertex) {
+            return None;
+        }
+        let mut supports = Vec::new();
+        for facet in self.brep.topology.facets_at(vertex) {
+            let support = self.support_or_plane(facet)?;
+            let normal = support.closest(&point).normal;
+            supports.push((support, normal));
+        }
+        let mut independent: Vec<(std::sync::Arc<_>, Vec3)> = Vec::new();
+        for (support, normal) in supports {
+            let rest = match &independent[..] {
+                [] => 1.0,
+                [(_, a)] => normal.cross(a).norm(),
+                [(_, a), (_, b)] => normal.dot(&a.cross(b)).abs(),
+                _ => 0.0,
+            };
+            if rest > 0.05 {
+                independent.push((support, normal));
+            }
+        }
+        let supports: Vec<_> = independent.into_iter().map(|s| s.0).collect();
+        project_on_all(&point, &supports)
+    }
+
+    /// Whether a curved facet that stays as it is has this corner.
+    fn is_held(&self, vertex: VertexId) -> bool {
+        self.brep
+            .topology
+            .facets_at(vertex)
+            .any(|f| !self.is_treated(f) && self.supports[self.brep.facets[f].surface].is_some())
+    }
+
+    /// The middle of the neighbours on the same curve or surface, weighted by 1 / wanted length.
+    fn middle(&self, vertex: VertexId) -> Option<Vec3> {
+        let on_curve = match self.place(vertex) {
+            Place::Corner => return None,
+            Place::Curve(_) => true,
+            Place::Surface(_) => false,
+        };
+        let (mut sum, mut weights) = (Vec3::zeros(), 0.0);
+        for edge in self.brep.topology.edges_at(vertex) {
+            if on_curve && !self.brep.is_feature(edge) {
+                continue;
+            }
+            let other = self.brep.topology.other_end(edge, vertex);
+            let weight = 1.0 / self.sizes[other.index()].min(f64::MAX);
+            sum += self.point(other) * weight;
+            weights += weight;
+        }
+        (weights > 0.0).then(|| self.home(vertex, &(sum / weights)))
+    }
+
+    /// The place near a vertex where the smallest angle around it is largest, by pattern search along its curve or in its
+    /// tangent plane; `None` if nothing is better than here.
+    pub fn best_place(&self, vertex: VertexId) -> Option<(Vec3, Effect)> {
+        let here = self.point(vertex);
+        let directions = self.directions(vertex, &here)?;
+        let star = self.star(vertex);
+        let before = self.worst_at(vertex, &star);
+        let shortest = self.brep.topology.neighbours(vertex).map(|n| (self.point(n) - here).norm());
+        let mut step = 0.4 * shortest.fold(f64::INFINITY, f64::min);
+        let mut best = (here, Effect { before, after: before });
+        for _ in 0..SEARCH_STEPS {
+            let mut found = None;
+            for d in &directions {
+                let to = self.home(vertex, &(best.0 + d * step));
+                let least = found.map_or(best.1.after.cosine, |f: (Vec3, Effect)| f.1.after.cosine);
+                if let Some(effect) = self.plan_move(vertex, &star, before, &to, least)
+                    && effect.is_legal()
+                    && effect.after.cosine < least
+                {
+                    found = Some((to, effect));
+                }
+            }
+            match found {
+                Some(next) => best = next,
+                None => step *= 0.5,
+            }
+        }
+        best.1.is_better().then_some(best)
+    }
+
+    fn directions(&self, vertex: VertexId, here: &Vec3) -> Option<Vec<Vec3>> {
+        match self.place(vertex) {
+            Place::Corner => None,
+            Place::Curve(c) => {
+                let tangent = self.curves[c].closest(here)?.tangent;
+                Some(vec![tangent, -tangent])
+            }
+            Place::Surface(s) => {
+                let normal = self.supports[s].as_ref()?.closest(here).normal;
+                let u = any_normal_to(&normal);
+                let v = normal.cross(&u);
+                let diagonal = std::f64::consts::FRAC_1_SQRT_2;
+                let (p, q) = ((u + v) * diagonal, (u - v) * diagonal);
+                Some(vec![u, v, -u, -v, p, q, -p, -q])
+            }
+        }
+    }
+}

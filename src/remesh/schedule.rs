@@ -1,0 +1,380 @@
+//! The order of the work: a queue picks the next edge (thesis 6.2) instead of the sweeps of Table 4.1.
+
+use super::operators::Effect;
+use super::quality::cosine_of_degrees;
+use super::relocate::Aim;
+use super::sizing::Limits;
+use super::workpiece::{Place, Workpiece};
+use crate::brep::local::Touched;
+use crate::brep::store::EdgeId;
+use crate::ids::{FacetId, Id, VertexId};
+use std::collections::BinaryHeap;
+
+/// Edges longer than this many wanted lengths are split, shorter than that collapsed. Their ratio is two, so that neither
+/// undoes the other.
+const LONG: f64 = 1.4;
+const SHORT: f64 = 0.7;
+
+/// Rounds of split, collapse, swap and relocate; shape and size hardly change after four.
+const ROUNDS: usize = 5;
+
+/// Angles in degrees: what polishing aims at, what a collapse for size may leave, and what one that thins out must keep.
+const GOAL: f64 = 42.0;
+const ROUGH: f64 = 15.0;
+const THIN_KEEPS: f64 = 40.0;
+
+/// Deviation, as a multiple of the bound, that a collapse for size may leave behind: the swaps, moves and splits that follow
+/// bring it down again.
+const LOOSE: f64 = 1.5;
+/// Least drop of such a deviation for which an edge is swapped.
+const LEAST_DROP: f64 = 0.05;
+
+/// Operations per edge at most in one pass: passes end long before, this bounds them on any input.
+const BUDGET_PER_EDGE: usize = 20;
+
+/// A priority queue of ids: largest key first, then smallest id. Keys are not negative.
+struct Queue<I>(BinaryHeap<(u64, std::cmp::Reverse<I>)>);
+
+impl<I: Id> Queue<I> {
+    fn new() -> Self {
+        Self(BinaryHeap::new())
+    }
+    fn push(&mut self, id: I, key: f64) {
+        self.0.push((key.max(0.0).to_bits(), std::cmp::Reverse(id)));
+    }
+    fn pop(&mut self) -> Option<(I, f64)> {
+        self.0.pop().map(|(key, id)| (id.0, f64::from_bits(key)))
+    }
+}
+
+impl Workpiece {
+    /// The whole remeshing of the treated facets.
+    pub fn run(&mut self, limits: &Limits) {
+        let start = std::time::Instant::now();
+        let say = |me: &Self, what: &str| {
+            if std::env::var("SAY").is_ok() {
+                let facets: Vec<FacetId> = me.brep.topology.facets().filter(|&f| me.is_treated(f)).collect();
+                let worst = me.worst(&facets);
+                let poor = facets.iter().filter(|&&f| me.measure_facet(f).cosine > cosine_of_degrees(40.0)).count();
+                let over = facets.iter().filter(|&&f| me.measure_facet(f).excess > 1.0 + 1e-9).count();
+                let ms = start.elapsed().as_millis();
+                let angle = libm::acos(worst.cosine).to_degrees();
+                eprintln!(
+                    "{ms:6} ms {what:10} {} facets, {angle:.1} deg, {poor} poor, {over} over, excess {:.2}, flipped {}",
+                    facets.len(),
+                    worst.excess,
+                    worst.is_flipped
+                );
+            }
+        };
+        self.settle();
+        say(self, "settle");
+        for round in 0..ROUNDS {
+            self.renew_sizes(limits);
+            self.split_long(limits);
+            say(self, "split");
+            self.collapse_short();
+            say(self, "collapse");
+            self.settle();
+            say(self, "settle");
+            let edges = self.active_edges();
+            self.swap_all(&edges);
+            self.smooth();
+            if round + 1 == ROUNDS {
+                self.smooth();
+            }
+            say(self, "smooth");
+        }
+        self.polish();
+        say(self, "polish");
+        for _ in 0..super::quality::tune("THINS", 3.0) as usize {
+            self.thin_out();
+            say(self, "thin");
+            self.polish();
+            say(self, "polish");
+            if self.split_deviating() == 0 {
+                break;
+            }
+            say(self, "deviating");
+            self.polish();
+            say(self, "polish");
+        }
+    }
+
+    pub fn active_edges(&self) -> Vec<EdgeId> {
+        self.brep.topology.edges().filter(|&e| self.is_active(e)).collect()
+    }
+
+    /// Vertices of treated facets.
+    pub fn active_vertices(&self) -> Vec<VertexId> {
+        self.brep.topology.vertices().filter(|&v| self.brep.topology.facets_at(v).any(|f| self.is_treated(f))).collect()
+    }
+
+    fn renew_sizes(&mut self, limits: &Limits) {
+        self.sizes = vec![f64::INFINITY; self.brep.topology.bounds()[0]];
+        for v in self.active_vertices() {
+            self.sizes[v.index()] = self.own_size(v, limits);
+        }
+        self.grade_sizes();
+    }
+
+    /// All edges of some facets.
+    fn edges_of(&self, facets: &[FacetId]) -> Vec<EdgeId> {
+        let topology = &self.brep.topology;
+        let live = facets.iter().filter(|&&f| topology.has_facet(f) && self.is_treated(f));
+        live.flat_map(|&f| topology.fins_of_facet(f)).filter_map(|fin| topology.edge_of(fin)).collect()
+    }
+
+    fn split_long(&mut self, limits: &Limits) {
+        let mut queue = Queue::new();
+        let edges = self.active_edges();
+        let mut budget = BUDGET_PER_EDGE * edges.len() + 100_000;
+        for e in edges {
+            self.enqueue_long(&mut queue, e);
+        }
+        while let Some((edge, key)) = queue.pop() {
+            if !self.brep.topology.has_edge(edge) || self.relative_length(edge) != key || budget == 0 {
+                continue;
+            }
+            budget -= 1;
+            let Some(touched) = self.split(edge) else { continue };
+            if let Some(v) = touched.vertex {
+                let size = self.own_size(v, limits);
+                self.sizes[v.index()] = self.sizes[v.index()].min(size);
+            }
+            let around = self.swap_around(&touched);
+            for e in around {
+                self.enqueue_long(&mut queue, e);
+            }
+        }
+    }
+
+    fn enqueue_long(&self, queue: &mut Queue<EdgeId>, edge: EdgeId) {
+        let length = self.relative_length(edge);
+        if length > LONG && self.is_active(edge) {
+            queue.push(edge, length);
+        }
+    }
+
+    /// Swaps what an operation made swappable; gives all edges around.
+    fn swap_around(&mut self, touched: &Touched) -> Vec<EdgeId> {
+        let edges = self.edges_of(&touched.facets);
+        let mut all = self.swap_all(&edges);
+        all.extend(edges);
+        all.sort_unstable();
+        all.dedup();
+        all.retain(|&e| self.brep.topology.has_edge(e));
+        all
+    }
+
+    /// Swaps edges as long as that raises the smallest angle or the deviation shrinks to the bound; gives the edges changed.
+    pub fn swap_all(&mut self, edges: &[EdgeId]) -> Vec<EdgeId> {
+        let rough = cosine_of_degrees(ROUGH);
+        let mut stack: Vec<EdgeId> = edges.to_vec();
+        let mut budget = BUDGET_PER_EDGE * stack.len() + 100;
+        let mut changed = Vec::new();
+        while let Some(edge) = stack.pop() {
+            if !self.brep.topology.has_edge(edge) || budget == 0 {
+                continue;
+            }
+            let Some((plan, effect)) = self.plan_swap(edge) else { continue };
+            let rescues = effect.before.is_flipped && !effect.after.is_flipped;
+            let flattens = effect.before.excess > 1.0
+                && !effect.after.is_flipped
+                && effect.after.excess < effect.before.excess - LEAST_DROP
+                && effect.after.cosine <= effect.before.cosine.max(rough);
+            if effect.is_better() || rescues || flattens {
+                budget -= 1;
+                let touched = self.swap(&plan);
+                let around = self.edges_of(&touched.facets);
+                changed.extend(around.iter().copied());
+                stack.extend(around);
+            }
+        }
+        changed
+    }
+
+    /// Collapses edges that are too short, shortest first.
+    fn collapse_short(&mut self) {
+        let rough = cosine_of_degrees(ROUGH);
+        self.collapse_while(SHORT, LONG, |effect| {
+            !effect.after.is_flipped
+                && effect.after.excess <= effect.before.excess.max(LOOSE)
+                && effect.after.cosine <= effect.before.cosine.max(rough)
+        });
+    }
+
+    /// Collapses edges, shortest first, as long as shape and deviation stay good: no more triangles than needed.
+    fn thin_out(&mut self) {
+        let keep = cosine_of_degrees(super::quality::tune("KEEP", THIN_KEEPS));
+        self.collapse_while(super::quality::tune("TB", 1.1), super::quality::tune("TL", 1.5), |effect| {
+            effect.is_legal() && effect.after.excess <= 1.0 && effect.after.cosine <= keep
+        });
+    }
+
+    /// Collapses edges shorter than `below` wanted lengths, unless an edge longer than `longest` would arise.
+    fn collapse_while(&mut self, below: f64, longest: f64, accept: impl Fn(&Effect) -> bool) {
+        let mut queue = Queue::new();
+        let edges = self.active_edges();
+        let mut budget = BUDGET_PER_EDGE * edges.len() + 100;
+        let enqueue = |me: &Self, queue: &mut Queue<EdgeId>, e: EdgeId| {
+            let length = me.relative_length(e);
+            if length < below && me.is_active(e) {
+                queue.push(e, below - length);
+            }
+        };
+        for e in edges {
+            enqueue(self, &mut queue, e);
+        }
+        while let Some((edge, key)) = queue.pop() {
+            let is_stale = !self.brep.topology.has_edge(edge) || below - self.relative_length(edge) != key;
+            if is_stale || budget == 0 {
+                continue;
+            }
+            budget -= 1;
+            let [a, b] = self.brep.topology.ends(edge);
+            let plans = [a, b].map(|gone| self.plan_collapse(edge, gone).filter(|p| accept(&p.1)));
+            let best = plans.into_iter().flatten().min_by(|p, q| p.1.after.cosine.total_cmp(&q.1.after.cosine));
+            let Some((plan, _)) = best else { continue };
+            if self.would_stretch(plan.gone, plan.kept, longest) {
+                continue;
+            }
+            let touched = self.collapse(&plan);
+            for e in self.swap_around(&touched) {
+                enqueue(self, &mut queue, e);
+            }
+        }
+    }
+
+    /// Whether merging a vertex into another makes an edge longer than `longest` wanted lengths and than those before.
+    fn would_stretch(&self, gone: VertexId, kept: VertexId, longest: f64) -> bool {
+        let (from, to) = (self.point(gone), self.point(kept));
+        self.brep.topology.neighbours(gone).filter(|&n| n != kept).any(|n| {
+            let size = 0.5 * (self.sizes[n.index()] + self.sizes[kept.index()]);
+            let length = (self.point(n) - to).norm();
+            length > longest * size && length > (self.point(n) - from).norm()
+        })
+    }
+
+    /// Brings every vertex onto its curve or surface, as far as nothing flips.
+    fn settle(&mut self) {
+        for v in self.active_vertices() {
+            self.relocate_towards(v, Aim::Home);
+        }
+    }
+
+    /// Moves every vertex to the middle of its neighbours.
+    fn smooth(&mut self) {
+        for v in self.active_vertices() {
+            self.relocate_towards(v, Aim::Middle);
+        }
+    }
+
+    /// Improves the worst triangles, worst first, by whichever operator raises their smallest angle most.
+    fn polish(&mut self) {
+        let goal = cosine_of_degrees(GOAL);
+        let mut queue = Queue::new();
+        let facets: Vec<FacetId> = self.brep.topology.facets().filter(|&f| self.is_treated(f)).collect();
+        let mut budget = BUDGET_PER_EDGE * facets.len() + 100;
+        for f in facets {
+            self.enqueue_poor(&mut queue, f, goal);
+        }
+        while let Some((facet, key)) = queue.pop() {
+            let is_stale =
+                !self.brep.topology.has_facet(facet) || !self.is_treated(facet) || self.measure_facet(facet).cosine != key;
+            if is_stale || budget == 0 {
+                continue;
+            }
+            budget -= 1;
+            for f in self.mend(facet) {
+                if self.brep.topology.has_facet(f) && self.is_treated(f) {
+                    self.enqueue_poor(&mut queue, f, goal);
+                }
+            }
+        }
+    }
+
+    fn enqueue_poor(&self, queue: &mut Queue<FacetId>, facet: FacetId, goal: f64) {
+        let cosine = self.measure_facet(facet).cosine;
+        if cosine > goal {
+            queue.push(facet, cosine);
+        }
+    }
+
+    /// Improves one triangle; gives the facets around if it did.
+    fn mend(&mut self, facet: FacetId) -> Vec<FacetId> {
+        let edges = self.edges_of(&[facet]);
+        let mut best: Option<(f64, Mend)> = None;
+        let mut consider = |effect: &Effect, what: Mend| {
+            if effect.is_better() && best.as_ref().is_none_or(|b| effect.after.cosine < b.0) {
+                best = Some((effect.after.cosine, what));
+            }
+        };
+        for &edge in &edges {
+            if let Some((plan, effect)) = self.plan_swap(edge) {
+                consider(&effect, Mend::Swap(plan));
+            }
+            for gone in self.brep.topology.ends(edge) {
+                if let Some((plan, effect)) = self.plan_collapse(edge, gone)
+                    && !self.would_stretch(plan.gone, plan.kept, LONG)
+                {
+                    consider(&effect, Mend::Collapse(plan));
+                }
+            }
+        }
+        for vertex in self.corners(facet).into_iter().flatten() {
+            if let Some((to, effect)) = self.best_place(vertex) {
+                consider(&effect, Mend::Move(vertex, to));
+            }
+        }
+        match best {
+            None => Vec::new(),
+            Some((_, Mend::Swap(plan))) => self.swap(&plan).facets,
+            Some((_, Mend::Collapse(plan))) => self.collapse(&plan).facets,
+            Some((_, Mend::Move(vertex, to))) => {
+                self.relocate(vertex, to);
+                self.star(vertex)
+            }
+        }
+    }
+
+    /// Splits edges that are further from their curve or surface than allowed; how many.
+    fn split_deviating(&mut self) -> usize {
+        let mut count = 0;
+        for edge in self.active_edges() {
+            if self.brep.topology.has_edge(edge) && self.edge_excess(edge) > 1.0 + 1e-9 && self.relative_length(edge) > 0.5 {
+                if let Some(touched) = self.split(edge) {
+                    self.swap_around(&touched);
+                    count += 1;
+                }
+            }
+        }
+        count
+    }
+
+    /// Deviation of the middle of an edge from its curve, or from its surface, as a fraction of the bound.
+    pub fn edge_excess(&self, edge: EdgeId) -> f64 {
+        let [a, b] = self.brep.topology.ends(edge).map(|v| self.point(v));
+        if let Some(c) = self.curve_of(edge) {
+            return self.curve_excess(c, &a, &b);
+        }
+        let middle = (a + b) * 0.5;
+        let facet = self.brep.topology.facets_around(edge).find(|&f| self.is_treated(f));
+        facet.and_then(|f| self.support(f)).map_or(0.0, |s| {
+            let foot = s.closest(&middle);
+            (foot.point - middle).norm() / self.bound.at(&foot)
+        })
+    }
+
+    /// Whether a vertex may move at all.
+    pub fn is_movable(&self, vertex: VertexId) -> bool {
+        self.place(vertex) != Place::Corner
+    }
+}
+
+/// How a triangle can be mended.
+enum Mend {
+    Swap(crate::brep::local::Swap),
+    Collapse(crate::brep::local::Collapse),
+    Move(VertexId, crate::geom::Vec3),
+}

@@ -1,0 +1,200 @@
+//! How long edges should be and how far from the true surface facets may be.
+
+use super::workpiece::{Place, Workpiece};
+use crate::geom::Vec3;
+use crate::geom::aabb::Aabb;
+use crate::geom::bvh::Bvh;
+use crate::ids::{FacetId, Id, IdVec, PartId, SurfaceId, VertexId};
+use crate::patch::fit::closest_on_triangle;
+use crate::patch::support::{Foot, Support};
+use crate::scene::model::Part;
+
+/// Wanted edge length as a fraction of the one whose chord has just the allowed deviation. Lengths scatter by a quarter about
+/// the wanted one, and few should have to be split for their deviation alone.
+const SAFETY: f64 = 0.88;
+
+/// Growth of the wanted length per unit of length: neighbouring triangles differ by about this much.
+const GRADATION: f64 = 0.35;
+
+/// Wanted length over the distance to a facet across a thin gap: triangles about as wide as the gap, so that tetrahedra
+/// between the two sides have a radius-edge ratio near 1.
+const PER_GAP: f64 = 2.0;
+
+/// Smallest wanted length as a fraction of the model's size: keeps apexes finite.
+const LEAST_SIZE: f64 = 1e-4;
+
+/// The default bound follows the curvature (equation 4.1) within this factor of its mean.
+const BOUND_RANGE: f64 = 4.0;
+
+/// The allowed deviation.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Bound {
+    /// Given by the user: the same everywhere.
+    Fixed(f64),
+    /// Equation 4.1: `scale / curvature`, within `range`. The thesis fixes the factor for a sphere of radius 100; here the mean
+    /// curvature of the model takes its place, so that the result does not depend on the unit.
+    ByCurvature {
+        /// Mean deviation times mean curvature of the evaluated complex.
+        scale: f64,
+        /// Least and largest deviation.
+        range: [f64; 2],
+    },
+}
+
+impl Bound {
+    /// At a point of a surface.
+    pub fn at(&self, foot: &Foot) -> f64 {
+        match self {
+            Self::Fixed(d) => *d,
+            Self::ByCurvature { .. } => self.along(foot.principal()[0].0.abs()),
+        }
+    }
+
+    /// For a curvature.
+    pub fn along(&self, curvature: f64) -> f64 {
+        match *self {
+            Self::Fixed(d) => d,
+            Self::ByCurvature { scale, range: [low, high] } => (scale / curvature.abs()).clamp(low, high),
+        }
+    }
+
+    /// The bound that the facets of surfaces with supports keep on average.
+    pub fn of_facets<'a>(facets: impl Iterator<Item = (&'a Support, [Vec3; 3])>, size: f64) -> Self {
+        let (mut deviation, mut bending, mut weight) = (0.0, 0.0, 0.0);
+        for (support, [a, b, c]) in facets {
+            let area = (b - a).cross(&(c - a)).norm();
+            let foot = support.closest(&((a + b + c) / 3.0));
+            let middles = [(a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5];
+            // The largest over the facet, not that of the barycentre alone: strips touch their cylinder at both long sides.
+            deviation += area * middles.iter().map(|m| support.distance(m)).fold(0.0, f64::max);
+            bending += area * foot.principal()[0].0.abs();
+            weight += area;
+        }
+        if weight == 0.0 {
+            return Self::Fixed(size);
+        }
+        let mean = (deviation / weight).max(LEAST_SIZE * LEAST_SIZE * size);
+        Self::ByCurvature { scale: mean * bending / weight, range: [mean / BOUND_RANGE, mean * BOUND_RANGE] }
+    }
+}
+
+/// Edge length of equilateral triangles on a surface whose deviation is `allowed`: over an edge it is l² k1 / 8, at the centre
+/// l² (k1 + k2) / 12.
+pub(super) fn length_on(foot: &Foot, allowed: f64) -> f64 {
+    let [(k1, _), (k2, _)] = foot.principal();
+    let bend = (k1.abs() / 8.0).max((k1 + k2).abs() / 12.0);
+    (allowed / bend.max(f64::MIN_POSITIVE)).sqrt()
+}
+
+/// Limits from outside: parts' largest edges and thin gaps.
+pub(super) struct Limits {
+    tree: Bvh,
+    triangles: Vec<([Vec3; 3], SurfaceId)>,
+    /// By surface: surfaces that share a curve with it, sorted.
+    touching: Vec<Vec<SurfaceId>>,
+    least: f64,
+    max_edge: Vec<f64>,
+}
+
+impl Limits {
+    /// From the model before it changes.
+    pub fn of(work: &Workpiece, size: f64, parts: &IdVec<PartId, Part>) -> Self {
+        let brep = &work.brep;
+        let mut triangles = Vec::new();
+        let mut touching = vec![Vec::new(); work.supports.len()];
+        let mut lengths = vec![f64::INFINITY; work.supports.len()];
+        for facet in brep.topology.facets() {
+            let surface = brep.facets[facet].surface;
+            triangles.extend(brep.triangles(facet).map(|t| (t.map(|v| work.point(v)), surface)));
+            for region in brep.topology.sides(facet) {
+                let part = brep.regions.get(region).and_then(|r| r.part);
+                let wanted = part.and_then(|p| parts.get(p)?.max_edge).unwrap_or(f64::INFINITY);
+                lengths[surface.index()] = lengths[surface.index()].min(wanted);
+            }
+        }
+        for vertex in brep.topology.vertices() {
+            let here: Vec<SurfaceId> = brep.topology.facets_at(vertex).map(|f| brep.facets[f].surface).collect();
+            for s in &here {
+                touching[s.index()].extend(here.iter().copied());
+            }
+        }
+        for list in &mut touching {
+            list.sort_unstable();
+            list.dedup();
+        }
+        let boxes = triangles.iter().map(|t: &([Vec3; 3], SurfaceId)| Aabb::around(t.0.iter())).collect();
+        Self { tree: Bvh::new(boxes), triangles, touching, least: LEAST_SIZE * size, max_edge: lengths }
+    }
+
+    /// The wanted length, at most `length`, at a point of some surfaces.
+    fn limit(&self, point: &Vec3, length: f64, surfaces: &[SurfaceId]) -> f64 {
+        let mut limited = surfaces.iter().map(|s| self.max_edge[s.index()]).fold(length, f64::min);
+        let reach = Vec3::repeat(limited / super::quality::tune("GAP", PER_GAP));
+        let near = Aabb { lo: point - reach, hi: point + reach };
+        self.tree.overlapping(&near, |t| {
+            let (corners, surface) = &self.triangles[t as usize];
+            let meets = surfaces.iter().any(|s| self.touching[s.index()].binary_search(surface).is_ok());
+            if !meets {
+                limited =
+                    limited.min(super::quality::tune("GAP", PER_GAP) * (closest_on_triangle(corners, point) - point).norm());
+            }
+        });
+        limited.max(self.least)
+    }
+}
+
+impl Workpiece {
+    /// The wanted edge length at a vertex from curvature, parts and gaps, before gradation.
+    pub fn own_size(&self, vertex: VertexId, limits: &Limits) -> f64 {
+        let point = self.point(vertex);
+        let star = self.star(vertex);
+        let mut surfaces: Vec<SurfaceId> = star.iter().map(|&f| self.brep.facets[f].surface).collect();
+        surfaces.sort_unstable();
+        surfaces.dedup();
+        let mut size = f64::INFINITY;
+        for s in surfaces.iter().filter_map(|&s| self.supports[s].as_deref()) {
+            size = size.min(super::quality::tune("SAFETY", SAFETY) * self.length_near(s, &point, &star));
+        }
+        if let Place::Curve(c) = self.place(vertex)
+            && let Some(foot) = self.curves[c].closest(&point)
+            && foot.curvature > 0.0
+        {
+            size = size.min((8.0 * self.bound.along(foot.curvature) / foot.curvature).sqrt());
+        }
+        limits.limit(&point, size, &surfaces)
+    }
+
+    /// Length on a support near a point. At an apex, where the curvature has no bound, the length that is right at its own
+    /// distance from there.
+    fn length_near(&self, support: &Support, point: &Vec3, star: &[FacetId]) -> f64 {
+        let length_at = |p: &Vec3| {
+            let foot = support.closest(p);
+            length_on(&foot, self.bound.at(&foot))
+        };
+        let here = length_at(point);
+        let middle = star.iter().filter_map(|&f| self.corners(f)).flatten().map(|v| self.point(v) - point).sum::<Vec3>();
+        let Some(away) = middle.try_normalize(0.0) else { return here };
+        // Fixed point of length = length_at(distance length); a square root near an apex, so that few steps do.
+        let mut length = here;
+        for _ in 0..6 {
+            length = length_at(&(point + away * length.max(here)));
+        }
+        // Only where the size grows fast, that is at an apex.
+        if length > 4.0 * here { length } else { here }
+    }
+
+    /// Lets sizes grow no faster than the gradation along edges.
+    pub fn grade_sizes(&mut self) {
+        let edges: Vec<_> = self.brep.topology.edges().filter(|&e| self.is_active(e)).collect();
+        let links: Vec<([VertexId; 2], f64)> =
+            edges.iter().map(|&e| (self.brep.topology.ends(e), GRADATION * self.length(e))).collect();
+        // Each sweep carries sizes one edge further; beyond a few edges the growth has caught up with any size.
+        for _ in 0..8 {
+            for &([a, b], step) in &links {
+                let (sa, sb) = (self.sizes[a.index()], self.sizes[b.index()]);
+                self.sizes[a.index()] = sa.min(sb + step);
+                self.sizes[b.index()] = sb.min(sa + step);
+            }
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! Cylinders, cones and spheres built in code; a tee of two cylinders comes from the evaluator's scenes.
+
+use super::quality::sharpest_cosine;
+use super::*;
+use crate::brep::complex::{ComplexFacet, ComplexSurface, ComplexVertex, Marker, Region};
+use crate::ids::{LeafId, MarkerId, PartId, RegionId, SurfaceId, VertexId};
+use crate::primitive::solid::{Freedom, Shape};
+use crate::scene::model::Frame;
+
+const FRAME: Frame = Frame {
+    origin: Vec3::new(0.0, 0.0, 0.0),
+    x: Vec3::new(1.0, 0.0, 0.0),
+    y: Vec3::new(0.0, 1.0, 0.0),
+    z: Vec3::new(0.0, 0.0, 1.0),
+};
+
+/// A solid of one part from polygons with their surface.
+fn complex(points: Vec<(Vec3, Freedom)>, polygons: Vec<(Vec<u32>, u32)>, shapes: Vec<Shape>) -> Complex {
+    let positions: Vec<Vec3> = points.iter().map(|p| p.0).collect();
+    let facets = polygons.into_iter().enumerate().map(|(k, (walk, surface))| ComplexFacet {
+        triangles: crate::geom::polygon::triangulate(&[&walk], &[], &[], &positions)
+            .unwrap()
+            .into_iter()
+            .map(|t| t.map(VertexId))
+            .collect(),
+        loops: vec![walk.into_iter().map(VertexId).collect()],
+        sides: [RegionId(0), RegionId(1)],
+        surface: SurfaceId(surface),
+        source: (LeafId(0), k as u32),
+        marker: MarkerId(0),
+        is_modified: true,
+    });
+    let surface = |shape| ComplexSurface { leaf: LeafId(0), side: "side".into(), shape };
+    Complex {
+        facets: facets.collect(),
+        vertices: points.into_iter().map(|(point, freedom)| ComplexVertex { point, freedom }).collect(),
+        regions: [Region { part: None }, Region { part: Some(PartId(0)) }].into_iter().collect(),
+        surfaces: shapes.into_iter().map(surface).collect(),
+        markers: [Marker { name: "a|outer".into(), parts: [Some(PartId(0)), None], interface: MarkerId(0) }]
+            .into_iter()
+            .collect(),
+        killed: Vec::new(),
+    }
+}
+
+fn rim(radius: f64, z: f64, n: u32) -> impl Iterator<Item = (Vec3, Freedom)> {
+    (0..n).map(move |k| {
+        let a = std::f64::consts::TAU * f64::from(k) / f64::from(n);
+        (Vec3::new(radius * libm::cos(a), radius * libm::sin(a), z), Freedom::Edge)
+    })
+}
+
+fn cylinder(radius: f64, height: f64, n: u32) -> Complex {
+    let points = rim(radius, 0.0, n).chain(rim(radius, height, n)).collect();
+    let mut polygons = vec![((0..n).rev().collect(), 1), ((n..2 * n).collect(), 2)];
+    polygons.extend((0..n).map(|k| (vec![k, (k + 1) % n, n + (k + 1) % n, n + k], 0)));
+    let side = Shape::Cone { frame: FRAME, radius, slope: 0.0 };
+    complex(points, polygons, vec![side, Shape::Plane, Shape::Plane])
+}
+
+fn cone(radius: f64, height: f64, n: u32) -> Complex {
+    let mut points: Vec<_> = rim(radius, 0.0, n).collect();
+    points.push((Vec3::new(0.0, 0.0, height), Freedom::Fixed));
+    let mut polygons = vec![((0..n).rev().collect::<Vec<u32>>(), 1)];
+    polygons.extend((0..n).map(|k| (vec![k, (k + 1) % n, n], 0)));
+    complex(points, polygons, vec![Shape::Cone { frame: FRAME, radius, slope: -radius / height }, Shape::Plane])
+}
+
+/// Smallest angle in degrees, share above 40 degrees, number: of the triangles of surface 0.
+fn quality(complex: &Complex) -> (f64, f64, usize) {
+    let mut angles = Vec::new();
+    for f in complex.facets.iter().filter(|f| f.surface == SurfaceId(0)) {
+        assert_eq!((f.loops.len(), f.loops[0].len()), (1, 3));
+        let t = [0, 1, 2].map(|k| &complex.vertices[f.loops[0][k]].point);
+        angles.push(libm::acos(sharpest_cosine(t)).to_degrees());
+    }
+    let least = angles.iter().copied().fold(90.0, f64::min);
+    (least, angles.iter().filter(|&&a| a > 40.0).count() as f64 / angles.len() as f64, angles.len())
+}
+
+fn volume(complex: &Complex) -> f64 {
+    let p = |v: VertexId| complex.vertices[v].point;
+    let triangles = complex.facets.iter().flat_map(|f| f.triangles.iter());
+    triangles.map(|t| p(t[0]).dot(&p(t[1]).cross(&p(t[2]))) / 6.0).sum()
+}
+
+fn full(max_deviation: f64) -> RemeshOptions {
+    RemeshOptions { mode: RemeshMode::Full, max_deviation: Some(max_deviation), ..Default::default() }
+}
+
+#[test]
+fn cylinder_gets_good_triangles_within_the_deviation() {
+    let (radius, height, deviation) = (50.0, 200.0, 1.0);
+    let before = cylinder(radius, height, 24);
+    let after = remesh(before, &full(deviation), &IdVec::new()).unwrap();
+    let (least, good, count) = quality(&after);
+    let ideal = std::f64::consts::TAU * height / (6.0 * deviation) * 3f64.sqrt();
+    println!("cylinder: {least:.1} deg, {good:.3} above 40, {count} triangles, {:.2} ideal", count as f64 / ideal);
+    assert!(least >= 30.0 && good >= 0.97 && (count as f64) < 1.5 * ideal);
+    let exact = std::f64::consts::PI * radius * radius * height;
+    assert!((volume(&after) - exact).abs() < deviation * std::f64::consts::TAU * radius * height);
+    for v in after.vertices.iter() {
+        assert!((libm::hypot(v.point.x, v.point.y) - radius).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn cone_keeps_its_apex_and_gets_few_triangles() {
+    let after = remesh(cone(50.0, 100.0, 24), &full(0.46), &IdVec::new()).unwrap();
+    let (least, good, count) = quality(&after);
+    println!("cone: {least:.1} deg, {good:.3} above 40, {count} triangles");
+    assert!(least >= 30.0 && good >= 0.97 && count < 700);
+    assert!(after.vertices.iter().any(|v| v.point == Vec3::new(0.0, 0.0, 100.0)));
+}
+
+#[test]
+fn off_changes_nothing() {
+    let before = cylinder(1.0, 1.0, 8);
+    let options = RemeshOptions { mode: RemeshMode::Off, ..Default::default() };
+    assert_eq!(remesh(before.clone(), &options, &IdVec::new()).unwrap().facets, before.facets);
+}

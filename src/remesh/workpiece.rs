@@ -1,0 +1,213 @@
+//! The kernel model under work, with what the operators need to know about it: supports, places, sizes.
+
+use super::quality::sharpest_cosine;
+use super::sizing::Bound;
+use crate::brep::model::Brep;
+use crate::brep::store::EdgeId;
+use crate::declare_ids;
+use crate::geom::Vec3;
+use crate::ids::{FacetId, Id, IdVec, SurfaceId, VertexId};
+use crate::patch::curve::Curve;
+use crate::patch::support::Support;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+declare_ids! {
+    /// A feature curve: a chain of feature edges between corners.
+    CurveId;
+}
+
+/// Where a vertex may move: the degree of freedom of thesis 4.3, derived from the edges at it.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Place {
+    /// Not at all: a corner of the model, an apex, or a vertex of a curved facet that stays as it is (degree 0).
+    Corner,
+    /// Along a feature curve (degree 1 and intersection).
+    Curve(CurveId),
+    /// On its surface (degree 2).
+    Surface(SurfaceId),
+}
+
+/// Cosine of the angle between a triangle and its support past which it counts as flipped (75 degrees: coarse facets of
+/// small circles tilt a lot).
+const FLIPPED_COSINE: f64 = 0.26;
+
+/// What a triangle is like, or would be.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) struct Measure {
+    /// Cosine of the smallest angle.
+    pub cosine: f64,
+    /// Largest distance from the support as a fraction of the allowed deviation.
+    pub excess: f64,
+    /// Whether it faces the wrong way.
+    pub is_flipped: bool,
+}
+
+impl Measure {
+    /// Better than any triangle: the start of a fold with `worse_of`.
+    pub const BEST: Self = Self { cosine: 0.5, excess: 0.0, is_flipped: false };
+    /// The worse of two in each respect.
+    pub fn worse_of(self, other: Self) -> Self {
+        Self {
+            cosine: self.cosine.max(other.cosine),
+            excess: self.excess.max(other.excess),
+            is_flipped: self.is_flipped || other.is_flipped,
+        }
+    }
+}
+
+/// The model under work.
+pub(super) struct Workpiece {
+    pub brep: Brep,
+    pub supports: IdVec<SurfaceId, Option<Arc<Support>>>,
+    pub curves: IdVec<CurveId, Curve>,
+    /// Curves of feature edges between two corners; only looked up.
+    pub lone_edges: HashMap<[VertexId; 2], CurveId>,
+    /// By facet: whether it is a triangle to be remeshed.
+    pub is_treated: Vec<bool>,
+    /// By facet: +1 if the facet's normal has the sense of its support's, else -1.
+    pub sense: Vec<f64>,
+    /// By vertex.
+    pub places: Vec<Place>,
+    /// By vertex: wanted edge length.
+    pub sizes: Vec<f64>,
+    pub bound: Bound,
+}
+
+impl Workpiece {
+    pub fn point(&self, vertex: VertexId) -> Vec3 {
+        self.brep.vertices[vertex].point
+    }
+
+    pub fn place(&self, vertex: VertexId) -> Place {
+        self.places[vertex.index()]
+    }
+
+    pub fn is_treated(&self, facet: FacetId) -> bool {
+        self.is_treated.get(facet.index()).copied().unwrap_or(false)
+    }
+
+    /// The support of a treated facet.
+    pub fn support(&self, facet: FacetId) -> Option<&Support> {
+        self.supports[self.brep.facets[facet].surface].as_deref()
+    }
+
+    pub fn length(&self, edge: EdgeId) -> f64 {
+        let [a, b] = self.brep.topology.ends(edge);
+        (self.point(a) - self.point(b)).norm()
+    }
+
+    /// Length of an edge in units of the wanted length at its ends.
+    pub fn relative_length(&self, edge: EdgeId) -> f64 {
+        let [a, b] = self.brep.topology.ends(edge);
+        (self.point(a) - self.point(b)).norm() * 2.0 / (self.sizes[a.index()] + self.sizes[b.index()])
+    }
+
+    /// Whether any facet at the edge is remeshed.
+    pub fn is_active(&self, edge: EdgeId) -> bool {
+        self.brep.topology.facets_around(edge).any(|f| self.is_treated(f))
+    }
+
+    /// The feature curve of an edge with a treated facet; `None` for an edge inside a surface.
+    pub fn curve_of(&self, edge: EdgeId) -> Option<CurveId> {
+        if !self.brep.is_feature(edge) {
+            return None;
+        }
+        let ends = self.brep.topology.ends(edge);
+        for end in ends {
+            if let Place::Curve(c) = self.place(end) {
+                return Some(c);
+            }
+        }
+        self.lone_edges.get(&sorted(ends)).copied()
+    }
+
+    /// Measures the triangle of a facet with other corner positions.
+    pub fn measure(&self, facet: FacetId, corners: [Vec3; 3]) -> Measure {
+        let [a, b, c] = corners;
+        let cosine = sharpest_cosine([&a, &b, &c]);
+        let Some(support) = self.support(facet) else {
+            return Measure { cosine, excess: 0.0, is_flipped: false };
+        };
+        let normal = (b - a).cross(&(c - a)) * self.sense[facet.index()];
+        let center = (a + b + c) / 3.0;
+        let foot = support.closest(&center);
+        let is_flipped = normal.dot(&foot.normal) <= FLIPPED_COSINE * normal.norm();
+        let allowed = self.bound.at(&foot);
+        let middle = |p: &Vec3, q: &Vec3| support.distance(&((p + q) * 0.5));
+        let deviation = (foot.point - center).norm().max(middle(&a, &b)).max(middle(&b, &c)).max(middle(&c, &a));
+        Measure { cosine, excess: deviation / allowed, is_flipped }
+    }
+
+    /// Measures a treated facet as it is.
+    pub fn measure_facet(&self, facet: FacetId) -> Measure {
+        self.corners(facet).map_or(Measure::BEST, |t| self.measure(facet, t.map(|v| self.point(v))))
+    }
+
+    /// Whether a triangle's normal has the sense of its support's; `None` if it is too steep to tell.
+    pub fn visible_sense(&self, facet: FacetId) -> Option<f64> {
+        let [a, b, c] = self.corners(facet)?.map(|v| self.point(v));
+        let normal = (b - a).cross(&(c - a));
+        let cosine = normal.dot(&self.support(facet)?.closest(&((a + b + c) / 3.0)).normal);
+        (cosine.abs() > FLIPPED_COSINE * normal.norm()).then_some(cosine.signum())
+    }
+
+    /// Corners of a triangular facet.
+    pub fn corners(&self, facet: FacetId) -> Option<[VertexId; 3]> {
+        self.brep.topology.triangle(facet)
+    }
+
+    /// The treated facets at a vertex.
+    pub fn star(&self, vertex: VertexId) -> Vec<FacetId> {
+        self.brep.topology.facets_at(vertex).filter(|&f| self.is_treated(f)).collect()
+    }
+
+    /// The other facets at a vertex.
+    pub fn polygons_at(&self, vertex: VertexId) -> Vec<FacetId> {
+        let mut all: Vec<FacetId> = self.brep.topology.facets_at(vertex).filter(|&f| !self.is_treated(f)).collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
+    /// The worst in each respect of some treated facets.
+    pub fn worst(&self, facets: &[FacetId]) -> Measure {
+        facets.iter().map(|&f| self.measure_facet(f)).fold(Measure::BEST, Measure::worse_of)
+    }
+
+    /// The distance of the middle of an edge from its curve, as a fraction of what is allowed; 0 inside a surface.
+    pub fn curve_excess(&self, curve: CurveId, a: &Vec3, b: &Vec3) -> f64 {
+        let middle = (a + b) * 0.5;
+        match self.curves[curve].closest(&middle) {
+            Some(foot) => (foot.point - middle).norm() / self.bound.along(foot.curvature),
+            None => 0.0,
+        }
+    }
+
+    /// Where a vertex belongs: on its curve or surface; where it is if it is a corner.
+    pub fn home(&self, vertex: VertexId, point: &Vec3) -> Vec3 {
+        match self.place(vertex) {
+            Place::Corner => self.point(vertex),
+            Place::Curve(c) => self.curves[c].closest(point).map_or(*point, |f| f.point),
+            Place::Surface(s) => self.supports[s].as_ref().map_or(*point, |s| s.closest(point).point),
+        }
+    }
+
+    /// After an operation: makes room for new ids and marks the new triangles.
+    pub fn register(&mut self, facets: &[FacetId], sense: f64) {
+        let bound = self.brep.topology.bounds()[2];
+        if self.is_treated.len() < bound {
+            self.is_treated.resize(bound, false);
+            self.sense.resize(bound, 1.0);
+        }
+        for &facet in facets {
+            self.is_treated[facet.index()] = true;
+            self.sense[facet.index()] = sense;
+        }
+    }
+}
+
+/// Both orders of a pair as one key.
+pub(super) fn sorted([a, b]: [VertexId; 2]) -> [VertexId; 2] {
+    if a <= b { [a, b] } else { [b, a] }
+}
