@@ -1,6 +1,6 @@
 //! What is drawn on the triangles: points on edges, points inside, segments and pieces of edges.
 
-use super::intersect::{Contact, Corners, Hit, Meeting, Spot, projection_of};
+use super::intersect::{Contact, Corners, Hit, Meeting, Spot};
 use super::point::{Points, Source};
 use crate::contact::conforming::{Conforming, Owner};
 use crate::geom::hash::{IndexMap, IndexSet};
@@ -25,11 +25,7 @@ impl<'a> Mesh<'a> {
     /// Numbers the edges and chooses the projections.
     pub fn new(input: &'a Conforming) -> Self {
         let triangles = &input.triangles[..];
-        let point = |v: u32| &input.points[v as usize];
-        let projection = triangles
-            .iter()
-            .map(|&[a, b, c]| projection_of(point(a), point(b), point(c)).unwrap_or(Projection { u: 0, v: 1 }))
-            .collect();
+        let projection = triangles.iter().map(|&t| super::projection_of_triangle(input, t)).collect();
         let mut keys: Vec<(u64, u32)> = Vec::with_capacity(3 * triangles.len());
         for (t, tri) in triangles.iter().enumerate() {
             for k in 0..3 {

@@ -61,22 +61,6 @@ pub struct Corners<'a> {
     pub projection: Projection,
 }
 
-/// The projection in which a triangle turns counter-clockwise; `None` if it is degenerate. Prefers the dominant axis.
-pub fn projection_of(a: &Vec3, b: &Vec3, c: &Vec3) -> Option<Projection> {
-    let normal = (b - a).cross(&(c - a));
-    let mut axes = [0usize, 1, 2];
-    axes.sort_by(|i, j| normal[*j].abs().total_cmp(&normal[*i].abs()));
-    axes.into_iter().find_map(|axis| {
-        let (u, v) = (((axis + 1) % 3) as u8, ((axis + 2) % 3) as u8);
-        let q = Projection { u, v };
-        match orient2d(q.apply(a), q.apply(b), q.apply(c)) {
-            0 => None,
-            1 => Some(q),
-            _ => Some(Projection { u: v, v: u }),
-        }
-    })
-}
-
 impl Corners<'_> {
     fn index_of(&self, id: u32) -> Option<u8> {
         self.ids.iter().position(|&v| v == id).map(|k| k as u8)
@@ -230,11 +214,12 @@ fn coplanar_hits(t: &Corners, u: &Corners, hits: &mut Vec<Hit>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geom::embedding::projection_of;
 
     fn hits(t: [[f64; 3]; 3], u: [[f64; 3]; 3], ids: [u32; 3]) -> Option<Contact> {
         let (t, u) = (t.map(Vec3::from), u.map(Vec3::from));
         let corners = |p: &'static [Vec3; 3], ids| {
-            let projection = projection_of(&p[0], &p[1], &p[2]).unwrap();
+            let projection = projection_of(*p).unwrap();
             Corners { ids, at: [&p[0], &p[1], &p[2]], projection }
         };
         let (t, u) = (Box::leak(Box::new(t)), Box::leak(Box::new(u)));

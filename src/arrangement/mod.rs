@@ -32,6 +32,8 @@ pub mod point;
 mod subdivide;
 
 use crate::contact::conforming::{Conforming, Owner};
+use crate::geom::embedding::projection_of;
+use crate::geom::predicates::Projection;
 use point::Points;
 
 /// Sub-cells over exact points.
@@ -125,10 +127,9 @@ impl SubCells {
     }
 }
 
-/// The projection in which a triangle of the input turns counter-clockwise.
-pub fn projection_of_triangle(input: &Conforming, triangle: [u32; 3]) -> crate::geom::predicates::Projection {
-    let [a, b, c] = triangle.map(|v| &input.points[v as usize]);
-    intersect::projection_of(a, b, c).unwrap_or(crate::geom::predicates::Projection { u: 0, v: 1 })
+/// The projection in which a triangle of the input turns counter-clockwise; contact leaves no triangle without area.
+pub fn projection_of_triangle(input: &Conforming, triangle: [u32; 3]) -> Projection {
+    projection_of(triangle.map(|v| input.points[v as usize])).unwrap_or(Projection { u: 0, v: 1 })
 }
 
 /// Cuts all cells against each other. Cost: n log n in the number of triangles, plus the output; quadratic in the number of
