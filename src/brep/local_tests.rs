@@ -186,7 +186,7 @@ proptest! {
             let edge = edges[n as usize % edges.len()];
             match what {
                 0 => { brep.split_edge(edge, middle(&brep, edge), |_, f| f.0 % 2 == 0); }
-                1 | 2 | 3 => {
+                1..=3 => {
                     let gone = brep.topology.ends(edge)[what as usize % 2];
                     if let Ok(plan) = brep.plan_collapse(edge, gone) { brep.collapse(&plan); }
                 }
