@@ -1,5 +1,7 @@
 //! Real readers and solvers on meshes that gsm wrote. `tools/setup-tests.sh` installs them.
 
+#![allow(clippy::print_stdout)] // shown by --nocapture
+
 use std::path::{Path, PathBuf};
 use std::process::Command;
 

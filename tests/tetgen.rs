@@ -1,5 +1,7 @@
 //! TetGen meshes every valid complex, and what it returns is verified. Needs `tetgen` (apt-get install tetgen).
 
+#![allow(clippy::print_stdout)] // shown by --nocapture
+
 mod common;
 
 use common::{Builder, rings, rotated};
