@@ -51,7 +51,8 @@ pub(super) fn trace(sheet: &Sheet, outlines: &[Outline], points: &[Vec3]) -> Res
     let mut vertices: Vec<u32> = edges.iter().flatten().chain(&sheet.lone).copied().collect();
     vertices.sort_unstable();
     vertices.dedup();
-    let cdt = triangulate(&vertices, &edges, reference.projection, points)?;
+    let mut cdt = triangulate(&vertices, &edges, reference.projection, points)?;
+    add_chords(&mut cdt, &sheet.chords, &vertices);
     let pieces = Pieces::new(&cdt);
     let labels = label(&cdt, &pieces, &borders, &vertices);
     let mut drafts: Vec<Draft> = labels
@@ -126,6 +127,18 @@ fn triangulate(vertices: &[u32], edges: &[[u32; 2]], projection: Projection, poi
         return Err(Tangled { point: stray.unwrap_or(vertices[0]) });
     }
     Ok(cdt)
+}
+
+/// Adds the chords that cross nothing; the exact arrangement cuts the others.
+fn add_chords(cdt: &mut Cdt, chords: &[[u32; 2]], vertices: &[u32]) {
+    let mut chords = chords.to_vec();
+    chords.sort_unstable();
+    chords.dedup();
+    for ends in chords {
+        if let [Ok(a), Ok(b)] = ends.map(|v| vertices.binary_search(&v)) {
+            cdt.try_add_constraint(FixedVertexHandle::from_index(a), FixedVertexHandle::from_index(b));
+        }
+    }
 }
 
 /// Triangles by the cell that they are in; 0 is the outside.

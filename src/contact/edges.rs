@@ -29,7 +29,7 @@ pub(super) struct Lists {
 
 impl Lists {
     /// `count` lists from pairs (list, item), sorted.
-    fn new(count: usize, pairs: &[(u32, u32)]) -> Self {
+    pub fn new(count: usize, pairs: &[(u32, u32)]) -> Self {
         let mut first = vec![0; count + 1];
         pairs.iter().for_each(|p| first[p.0 as usize + 1] += 1);
         (0..count).for_each(|k| first[k + 1] += first[k]);

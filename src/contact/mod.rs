@@ -9,8 +9,9 @@
 //! 3. [`crossings`]: edges that come near each other get common points: an end on the other edge, or a new point where they
 //!    cross; repeated until nothing changes. [`edges`] holds them: what is put into an edge enters every facet at it.
 //! 4. [`sheets`]: facets in one plane that overlap form a sheet; edges and points of other facets may lie on it besides.
-//! 5. [`cells`]: each sheet is one constrained triangulation, cut along its edges into cells, each with the facets that cover it.
-//! 6. [`assemble`]: the same cell from two sheets is one cell. [`verify`]: every leaf is still what it was.
+//! 5. [`chords`]: facets that cross along a line with common points on it get its pieces as common edges.
+//! 6. [`cells`]: each sheet is one constrained triangulation, cut along its edges into cells, each with the facets that cover it.
+//! 7. [`assemble`]: the same cell from two sheets is one cell. [`verify`]: every leaf is still what it was.
 //!
 //! [`nearly_touching`] finds the gaps that are left and were hardly meant.
 //!
@@ -24,6 +25,7 @@ mod assemble;
 mod body;
 mod candidates;
 mod cells;
+mod chords;
 pub mod conforming;
 mod crossings;
 mod edges;

@@ -51,6 +51,10 @@ impl Outline {
     pub fn height(&self, p: &Vec3) -> f64 {
         (p - self.origin).dot(&self.normal)
     }
+    /// Points of the outline, sorted.
+    pub fn corners(&self) -> &[u32] {
+        &self.corners
+    }
     /// Whether a point is one of the outline.
     pub fn has_corner(&self, point: u32) -> bool {
         self.corners.binary_search(&point).is_ok()
@@ -72,6 +76,13 @@ impl Outline {
         }
         is_inside
     }
+    /// Whether the segment between two points of the facet runs inside it, away from its sides.
+    pub fn is_chord(&self, ends: [u32; 2], tolerance: f64, points: &[Vec3]) -> bool {
+        let [a, b] = ends.map(|v| points[v as usize]);
+        let middle = (a + b) * 0.5;
+        let is_clear = |[a, b]: [u32; 2]| !is_within(&[points[a as usize], points[b as usize]], &middle, tolerance);
+        !self.has_side(ends) && self.encloses(&middle, points) && sides(&self.frame).all(is_clear)
+    }
     /// Whether all points of `other` lie within `tolerance` of the plane.
     pub fn is_level_with(&self, other: &Self, tolerance: f64, points: &[Vec3]) -> bool {
         other.loops.iter().flatten().all(|&v| self.height(&points[v as usize]).abs() <= tolerance)
@@ -86,6 +97,13 @@ impl Outline {
             }
         })
     }
+}
+
+/// Whether a place is within `tolerance` of a segment that is longer than that.
+fn is_within([a, b]: &[Vec3; 2], x: &Vec3, tolerance: f64) -> bool {
+    let d = b - a;
+    let s = ((x - a).dot(&d) / d.norm_squared()).clamp(0.0, 1.0);
+    (x - (a + d * s)).norm_squared() <= tolerance * tolerance
 }
 
 /// Directed edges of loops.

@@ -2,6 +2,7 @@
 
 use super::body::{Body, Names};
 use super::candidates::PARALLEL_FROM;
+use super::chords;
 use super::edges::EdgeSet;
 use super::outline::Outline;
 use super::weld::{MAX_MESSAGES, chain};
@@ -24,12 +25,14 @@ pub(super) struct Sheet {
     pub segments: Vec<[u32; 2]>,
     /// Points of other facets that lie inside a member.
     pub lone: Vec<u32>,
+    /// Where other facets cross a member, unless a segment does.
+    pub chords: Vec<[u32; 2]>,
 }
 
 impl Sheet {
     /// Whether it is one facet with nothing on it.
     pub fn is_plain(&self) -> bool {
-        self.members.len() == 1 && self.segments.is_empty() && self.lone.is_empty()
+        self.members.len() == 1 && self.segments.is_empty() && self.lone.is_empty() && self.chords.is_empty()
     }
 }
 
@@ -56,13 +59,16 @@ pub(super) fn gather(body: &Body, set: &mut EdgeSet, pairs: &[[u32; 2]], names: 
     let pairs: Vec<[u32; 2]> = pairs.iter().map(|p| p.map(|f| slot[f as usize])).collect();
     let (mut sheets, sheet_of) = group(body, &outlines, &pairs);
     let landed = landings(body, set, &outlines, &pairs, &sheet_of);
-    let mut near_misses = Vec::new();
+    let (mut inside, mut near_misses) = (Vec::new(), Vec::new());
     for landing in &landed {
         let outline = &outlines[landing.on as usize];
         let leaf = body.leaf_of_facet[outline.facet as usize];
         let sheet = &mut sheets[sheet_of[landing.on as usize] as usize];
         match landing.what {
-            What::Point(p) if set.put_into_facet(outline.facet, leaf, p) => sheet.lone.push(p),
+            What::Point(p) if set.put_into_facet(outline.facet, leaf, p) => {
+                sheet.lone.push(p);
+                inside.push((landing.on, p));
+            }
             What::Point(_) => {}
             What::NearMiss(p) => near_misses.push((p, landing.on)),
             // Points come before the segments that they end.
@@ -72,6 +78,9 @@ pub(super) fn gather(body: &Body, set: &mut EdgeSet, pairs: &[[u32; 2]], names: 
                 }
             }
         }
+    }
+    for chord in chords::find(body, &outlines, &sheet_of, &inside) {
+        chord.facets.iter().for_each(|&slot| sheets[sheet_of[slot as usize] as usize].chords.push(chord.ends));
     }
     let errors = chains(body, &outlines, &landed, &near_misses, names);
     if errors.is_empty() { Ok(Sheets { outlines, slot, sheets }) } else { Err(errors) }
@@ -192,7 +201,7 @@ fn land(body: &Body, set: &EdgeSet, from: &Outline, onto: &Outline, slot: u32, f
                 found.push(Landing { on: slot, what: What::Point(v) });
             }
             if let (true, Some((u, was_inside))) = (is_on, previous)
-                && (was_inside || is_inside || is_chord(onto, [u, v], body))
+                && (was_inside || is_inside || onto.is_chord([u, v], tolerance, &body.points))
             {
                 found.push(Landing { on: slot, what: What::Segment([u.min(v), u.max(v)]) });
             }
@@ -207,12 +216,6 @@ fn near_plane([from, to]: [f64; 2], reach: f64) -> [f64; 2] {
     let at = |h: f64| (h - from) / (to - from);
     let (a, b) = (at(-1.5 * reach), at(1.5 * reach));
     if a.is_finite() && b.is_finite() { [a.min(b), a.max(b)] } else { [0.0, 1.0] }
-}
-
-/// Whether the segment between two points of the outline runs inside it.
-fn is_chord(outline: &Outline, ends: [u32; 2], body: &Body) -> bool {
-    let [a, b] = ends.map(|v| body.points[v as usize]);
-    !outline.has_side(ends) && outline.encloses(&((a + b) * 0.5), &body.points)
 }
 
 /// Points that lie on a facet which itself lies on another one there, from which they are too far.

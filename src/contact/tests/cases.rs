@@ -16,7 +16,7 @@ const CONTACTS: [([[f64; 3]; 2], usize, usize); 12] = [
     ([[1., 1., 0.], [3., 3., 2.]], 12, 1),   // inside, on a face
     ([[0., 0., 0.], [2., 2., 2.]], 12, 3),   // inside, in a corner
     ([[0., 0., 0.], [4., 4., 4.]], 6, 6),    // equal
-    ([[-2., 1., 0.], [6., 3., 4.]], 18, 2),  // through, two faces coplanar: 4 + 2 * (2 + 1 + 2) cells and 4 ends and walls
+    ([[-2., 1., 0.], [6., 3., 4.]], 26, 2),  // through, two faces coplanar: they have 5 cells, 4 walls 3, and 4 are whole
     ([[6., 0., 0.], [8., 4., 4.]], 12, 0),   // apart
 ];
 

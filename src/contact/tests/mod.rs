@@ -1,6 +1,7 @@
 //! Contacts of known solids: counts by hand, and the promise of the step checked by brute force.
 
 mod cases;
+mod chords;
 mod hard;
 mod invariants;
 mod speed;
