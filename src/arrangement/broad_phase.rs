@@ -5,9 +5,10 @@ use super::intersect::{Contact, intersect};
 use crate::geom::aabb::Aabb;
 use crate::geom::bvh::Bvh;
 use rayon::prelude::*;
+use std::ops::ControlFlow;
 
-/// Triangles handled by one task: small enough to share the work, large enough that handing it out costs nothing.
-const CHUNK: usize = 512;
+/// Candidate pairs from which on the work is shared between threads: below, handing it out costs more than it saves.
+const PARALLEL_PAIRS: usize = 4096;
 
 /// Pairs that meet, by first and then second triangle.
 pub struct Contacts {
@@ -19,61 +20,69 @@ pub struct Contacts {
 
 /// Finds all contacts between triangles that have no leaf in common: a leaf is valid in itself.
 pub fn contacts(mesh: &Mesh) -> Contacts {
-    let count = mesh.triangles.len();
+    let pairs = candidates(mesh);
+    let meet = |&[t, u]: &[u32; 2]| intersect(&mesh.corners(t), &mesh.corners(u)).map(|c| (t, u, c));
+    let found = if pairs.len() < PARALLEL_PAIRS {
+        pairs.iter().filter_map(meet).collect()
+    } else {
+        pairs.par_iter().with_min_len(PARALLEL_PAIRS / 4).filter_map(meet).collect()
+    };
+    Contacts { found, candidates: pairs.len() as u64 }
+}
+
+/// Pairs with overlapping boxes, sorted. Every leaf has a tree of its own, of those triangles that come near another leaf, so
+/// that the many neighbours within one leaf are never looked at.
+fn candidates(mesh: &Mesh) -> Vec<[u32; 2]> {
     let points = &mesh.input.points;
     let boxes: Vec<Aabb> = mesh.triangles.iter().map(|t| Aabb::around(t.map(|v| &points[v as usize]))).collect();
-    let crowd = Crowd::new(mesh, &boxes);
-    let active: Vec<u32> = (0..count as u32).filter(|&t| crowd.has_company(mesh.leaf_of(t), &boxes[t as usize])).collect();
-    let tree = Bvh::new(active.iter().map(|&t| boxes[t as usize]).collect());
-    let one = |chunk: &[u32]| {
-        let (mut found, mut candidates, mut near) = (Vec::new(), 0u64, Vec::new());
-        for &t in chunk {
-            near.clear();
-            tree.overlapping(&boxes[t as usize], |k| {
-                let u = active[k as usize];
-                if u > t && !mesh.has_common_leaf(t, u) {
-                    near.push(u);
-                }
-            });
-            near.sort_unstable();
-            candidates += near.len() as u64;
-            let corners = mesh.corners(t);
-            found.extend(near.iter().filter_map(|&u| intersect(&corners, &mesh.corners(u)).map(|c| (t, u, c))));
+    let mut leaves: Vec<(Aabb, Vec<u32>)> = Vec::new();
+    for t in 0..boxes.len() as u32 {
+        let leaf = mesh.leaf_of(t) as usize;
+        if leaves.len() <= leaf {
+            leaves.resize(leaf + 1, (Aabb::EMPTY, Vec::new()));
         }
-        (found, candidates)
-    };
-    let parts: Vec<(Vec<_>, u64)> = if active.len() <= 4 * CHUNK {
-        active.chunks(CHUNK).map(one).collect()
-    } else {
-        active.par_chunks(CHUNK).map(one).collect()
-    };
-    let candidates = parts.iter().map(|p| p.1).sum();
-    Contacts { found: parts.into_iter().flat_map(|p| p.0).collect(), candidates }
-}
-
-/// Boxes of the leaves: triangles near no other leaf are left out at once.
-struct Crowd {
-    tree: Bvh,
-}
-
-impl Crowd {
-    fn new(mesh: &Mesh, boxes: &[Aabb]) -> Self {
-        let mut leaves = Vec::new();
-        for (t, bounds) in boxes.iter().enumerate() {
-            for owner in mesh.owners(t as u32) {
-                let leaf = owner.leaf.0 as usize;
-                if leaves.len() <= leaf {
-                    leaves.resize(leaf + 1, Aabb::EMPTY);
-                }
-                leaves[leaf] = leaves[leaf].union(bounds);
+        leaves[leaf].0 = leaves[leaf].0.union(&boxes[t as usize]);
+        leaves[leaf].1.push(t);
+    }
+    let crowd = Bvh::new(leaves.iter().map(|l| l.0).collect());
+    let mut near: Vec<[u32; 2]> = Vec::new();
+    for task in crowd.pair_tasks(1) {
+        crowd.overlapping_pairs(task, |a, b| {
+            near.push([a.min(b), a.max(b)]);
+            ControlFlow::Continue(())
+        });
+    }
+    let mut reach = vec![Aabb::EMPTY; leaves.len()];
+    for &[a, b] in &near {
+        reach[a as usize] = reach[a as usize].union(&leaves[b as usize].0);
+        reach[b as usize] = reach[b as usize].union(&leaves[a as usize].0);
+    }
+    let trees: Vec<(Vec<u32>, Bvh)> = leaves
+        .par_iter()
+        .zip(&reach)
+        .with_min_len(8)
+        .map(|((_, triangles), reach)| {
+            let active: Vec<u32> = triangles.iter().copied().filter(|&t| boxes[t as usize].overlaps(reach)).collect();
+            let tree = Bvh::new(active.iter().map(|&t| boxes[t as usize]).collect());
+            (active, tree)
+        })
+        .collect();
+    let join = |&[a, b]: &[u32; 2]| {
+        let ((first, tree), (second, other)) = (&trees[a as usize], &trees[b as usize]);
+        let mut found = Vec::new();
+        tree.pairs(other, 0.0, |i, j| {
+            let (t, u) = (first[i as usize], second[j as usize]);
+            if !mesh.has_common_leaf(t, u) {
+                found.push([t.min(u), t.max(u)]);
             }
-        }
-        Self { tree: Bvh::new(leaves) }
-    }
-
-    fn has_company(&self, leaf: u32, bounds: &Aabb) -> bool {
-        let mut others = false;
-        self.tree.overlapping(bounds, |other| others |= other != leaf);
-        others
-    }
+        });
+        found
+    };
+    let mut pairs: Vec<[u32; 2]> = if boxes.len() < PARALLEL_PAIRS {
+        near.iter().flat_map(join).collect()
+    } else {
+        near.par_iter().flat_map_iter(join).collect()
+    };
+    pairs.sort_unstable();
+    pairs
 }
