@@ -1,5 +1,6 @@
 //! The pipeline, stage by stage: scene file to everything that a command writes or says.
 
+use crate::arrangement::Statistics;
 use crate::brep::complex::Complex;
 use crate::diag::{Diagnostic, Outcome};
 use crate::evaluate;
@@ -28,6 +29,8 @@ pub struct Model {
     pub plc: Plc,
     /// What its numbers mean.
     pub manifest: Manifest,
+    /// Counts of the arrangement.
+    pub statistics: Statistics,
     /// What may not be meant.
     pub warnings: Vec<Diagnostic>,
     /// How long the stages took.
@@ -47,12 +50,13 @@ pub fn run(path: &Path, overrides: &[(String, String)], mut timings: Timings) ->
 fn build(scene: Scene, mut warnings: Vec<Diagnostic>, mut timings: Timings) -> Outcome<Model> {
     let solids = timings.measure("primitive", || primitive::build(&scene))?;
     let evaluation = evaluate::evaluate(&scene, &solids, &mut timings)?;
+    let statistics = evaluation.statistics;
     warnings.extend(evaluation.warnings);
     let complex = timings.measure("remesh", || remeshed(&scene, evaluation.complex, &mut warnings))?;
     let plc = timings.measure("plc", || plc::build::build(&complex, &scene.parts))?;
     let measures = timings.measure("measure", || measure::measure(&complex));
     let manifest = Manifest::new(&scene, &complex, &measures, &plc);
-    Ok(Model { scene, complex, measures, plc, manifest, warnings, timings })
+    Ok(Model { scene, complex, measures, plc, manifest, statistics, warnings, timings })
 }
 
 /// The remeshed complex; the evaluated one, with a warning, if the remesher's result is no embedding: what is written is valid.

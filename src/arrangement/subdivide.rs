@@ -3,6 +3,7 @@
 use super::SubCells;
 use super::graph::{Along, Curve, Graph, Mesh, StringPiece};
 use super::point::Points;
+use crate::geom::hash::IndexMap;
 use crate::geom::predicates::{Projection, Sign};
 use rayon::prelude::*;
 use std::cmp::Ordering;
@@ -49,6 +50,9 @@ struct Drawn<'a> {
     nodes: Vec<u32>,
     /// Neighbours of each node in counter-clockwise order.
     around: Vec<Vec<u32>>,
+    /// For a point inside a straight string and its neighbour there, the neighbour on the other side: what is known to be
+    /// straight need not be computed, which would take big integers every time.
+    opposite: IndexMap<[u32; 2], u32>,
     /// Whether there is anything but the boundary.
     is_plain: bool,
 }
@@ -66,19 +70,38 @@ impl<'a> Drawn<'a> {
         let empty = super::graph::Drawing::default();
         let drawing = graph.drawing(t).unwrap_or(&empty);
         let is_plain = drawing.points.is_empty() && drawing.strings.is_empty();
-        let mut drawn =
-            Self { points, projection: mesh.projection[t as usize], boundary, nodes: Vec::new(), around: Vec::new(), is_plain };
+        let mut drawn = Self {
+            points,
+            projection: mesh.projection[t as usize],
+            boundary,
+            nodes: Vec::new(),
+            around: Vec::new(),
+            opposite: IndexMap::default(),
+            is_plain,
+        };
         if !is_plain {
             let mut links: Vec<[u32; 2]> = Vec::new();
-            let n = drawn.boundary.len();
-            links.extend((0..n).map(|k| [drawn.boundary[k], drawn.boundary[(k + 1) % n]]));
-            for &string in &drawing.strings {
-                let chain = chain_of(graph, mesh, points, string);
+            let sides = drawn.sides(mesh.triangles[t as usize]);
+            let strings = drawing.strings.iter().map(|&string| chain_of(graph, mesh, points, string));
+            for chain in sides.into_iter().chain(strings) {
                 links.extend(chain.windows(2).map(|w| [w[0], w[1]]));
+                for w in chain.windows(3) {
+                    drawn.opposite.insert([w[1], w[0]], w[2]);
+                    drawn.opposite.insert([w[1], w[2]], w[0]);
+                }
             }
             drawn.link(links, &drawing.points);
         }
         drawn
+    }
+
+    /// The boundary cut at the triangle's corners, each piece with both its ends.
+    fn sides(&self, corners: [u32; 3]) -> [Vec<u32>; 3] {
+        let place = |c: u32| self.boundary.iter().position(|&p| p == c).unwrap_or(0);
+        let [_, second, third] = corners.map(place);
+        let mut last = self.boundary[third..].to_vec();
+        last.push(self.boundary[0]);
+        [self.boundary[..=second].to_vec(), self.boundary[second..=third].to_vec(), last]
     }
 
     fn link(&mut self, mut links: Vec<[u32; 2]>, lone: &[u32]) {
@@ -121,12 +144,17 @@ impl<'a> Drawn<'a> {
             return;
         }
         let reference = list[0];
+        let name = |n: u32| self.nodes[n as usize];
+        let straight = self.opposite.get(&[name(node), name(reference)]).copied();
         // Half turn in which a neighbour lies, seen from the reference: 0 itself, 1 left, 2 opposite, 3 right.
-        let half = |x: u32| match self.turn(node, reference, x) {
-            1 => 1,
-            -1 => 3,
+        let half = |x: u32| match x {
             _ if x == reference => 0,
-            _ => 2,
+            _ if straight == Some(name(x)) => 2,
+            _ => match self.turn(node, reference, x) {
+                1 => 1,
+                -1 => 3,
+                _ => 2,
+            },
         };
         let mut keyed: Vec<(u8, u32)> = list.iter().map(|&x| (half(x), x)).collect();
         keyed.sort_by(|a, b| {
@@ -148,9 +176,9 @@ impl<'a> Drawn<'a> {
         }
         let loops = self.trace();
         let component = self.components();
-        let outer_edges = self.outer_half_edges(&component);
-        let (mut faces, mut rims): (Vec<Vec<u32>>, Vec<Vec<u32>>) = (Vec::new(), Vec::new());
         let home = component[self.nodes.binary_search(&self.boundary[0]).unwrap_or(0)];
+        let outer_edges = self.outer_half_edges(&component, home);
+        let (mut faces, mut rims): (Vec<Vec<u32>>, Vec<Vec<u32>>) = (Vec::new(), Vec::new());
         for walk in loops {
             let n = walk.len();
             let is_rim =
@@ -218,20 +246,26 @@ impl<'a> Drawn<'a> {
         component
     }
 
-    /// For each component with edges, a directed edge with the component's outside to its left: at the leftmost node all
-    /// neighbours lie to the right, and the outside begins behind the last one counter-clockwise.
-    fn outer_half_edges(&self, component: &[u32]) -> Vec<Option<[u32; 2]>> {
+    /// For each component with edges, a directed edge with the component's outside to its left. That of the triangle's boundary
+    /// is known; of others the leftmost node has all neighbours to the right, and the outside begins behind the last one
+    /// counter-clockwise.
+    fn outer_half_edges(&self, component: &[u32], home: u32) -> Vec<Option<[u32; 2]>> {
         let count = component.iter().max().map_or(0, |m| *m as usize + 1);
         let mut leftmost: Vec<Option<u32>> = vec![None; count];
-        for n in 0..self.nodes.len() as u32 {
+        for n in (0..self.nodes.len() as u32).filter(|&n| component[n as usize] != home) {
             let best = &mut leftmost[component[n as usize] as usize];
             if best.is_none_or(|m| self.compare(n, m) == Ordering::Less) {
                 *best = Some(n);
             }
         }
+        let node = |p: u32| self.nodes.binary_search(&p).unwrap_or(0) as u32;
         leftmost
             .into_iter()
-            .map(|m| {
+            .enumerate()
+            .map(|(c, m)| {
+                if c as u32 == home {
+                    return Some([node(self.boundary[1]), node(self.boundary[0])]);
+                }
                 let m = m?;
                 let last =
                     self.around[m as usize].iter().copied().reduce(|best, x| if self.turn(m, best, x) > 0 { x } else { best });

@@ -11,6 +11,7 @@ pub mod timing;
 pub mod triangles;
 pub mod volume;
 
+use crate::arrangement::Statistics;
 use crate::brep::complex::Complex;
 use crate::diag::Diagnostic;
 use crate::io::manifest::{Counts, MarkerEntry, RegionEntry};
@@ -42,6 +43,8 @@ pub struct Report {
     pub interfaces: Vec<MarkerEntry>,
     /// Quality of the facets that are single triangles.
     pub quality: Option<Distribution>,
+    /// What the exact arrangement did.
+    pub arrangement: Statistics,
     /// What is worth a warning.
     pub warnings: Vec<Diagnostic>,
     /// Stages in order.
@@ -65,6 +68,7 @@ impl Report {
             parts: m.regions.clone(),
             interfaces: m.markers.clone(),
             quality: quality_of(&model.complex),
+            arrangement: model.statistics,
             warnings: model.warnings.clone(),
             timings: model.timings.stages.clone(),
             total: model.timings.total(),
