@@ -71,8 +71,7 @@ pub fn evaluate(scene: &Scene, solids: &[Solid], timings: &mut Timings) -> Outco
     let selected = timings.measure("select", || select::select(scene, solids, &arrangement, &classified));
     findings::overlaps(scene, &arrangement, &classified, &selected)?;
     warnings.extend(findings::empty_parts(scene, &selected)?);
-    let rounded =
-        timings.measure("round", || round::round(&selected, &arrangement, solids, tolerance, size)).map_err(single)?;
+    let rounded = timings.measure("round", || round::round(selected, &arrangement, solids, tolerance, size)).map_err(single)?;
     match rounded {
         Rounded::Valid(complex) => Ok(Evaluation { complex, statistics: arrangement.statistics, warnings }),
         Rounded::Broken { complex, violations } => Err(findings::broken(scene, &complex, &violations)),

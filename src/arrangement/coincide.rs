@@ -45,7 +45,7 @@ fn compare_loops(a: &[u32], b: &[u32]) -> Option<bool> {
 }
 
 fn rebuild(cells: &mut SubCells, is_gone: &[bool], extra: &mut IndexMap<usize, Vec<Owner>>) {
-    let mut kept = SubCells { owner_lists: std::mem::take(&mut cells.owner_lists), ..Default::default() };
+    let mut kept = SubCells::new(cells.input);
     for cell in 0..cells.len() {
         if is_gone[cell] {
             continue;
@@ -54,8 +54,8 @@ fn rebuild(cells: &mut SubCells, is_gone: &[bool], extra: &mut IndexMap<usize, V
             Some(mut owners) => {
                 owners.sort_unstable();
                 owners.dedup();
-                kept.owner_lists.push(owners);
-                kept.owner_lists.len() as u32 - 1
+                kept.coinciding.push(owners);
+                (cells.input.cells.len() + kept.coinciding.len() - 1) as u32
             }
             None => cells.owners[cell],
         };

@@ -4,7 +4,7 @@
 //! segments of them. All signs are of explicit points.
 
 use crate::geom::Vec3;
-use crate::geom::predicates::{Projection, Sign, orient2d, orient3d};
+use crate::geom::predicates::{Projection, Sign, orient2d, orient3d, sign};
 
 /// Where a point lies on a triangle.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -95,11 +95,22 @@ fn spot_from_signs(s: [Sign; 3]) -> Option<Spot> {
 /// separates: no common point but possibly common corners.
 fn sides(of: &Corners, plane: &Corners) -> Option<[Sign; 3]> {
     let [a, b, c] = plane.at;
+    // The axis along which the projection looks, and whether it looks against the normal.
+    let (u, v) = (plane.projection.u as usize, plane.projection.v as usize);
+    let axis = 3 - u - v;
+    let is_parallel = a[axis] == b[axis] && b[axis] == c[axis];
     let mut s = [0; 3];
     for k in 0..3 {
-        if plane.index_of(of.ids[k]).is_none() {
-            s[k] = orient3d(a, b, c, of.at[k]);
+        if plane.index_of(of.ids[k]).is_some() {
+            continue;
         }
+        // Planes parallel to the coordinate planes are frequent and full of contact: a comparison decides, exactly.
+        s[k] = if is_parallel {
+            let above = sign(of.at[k][axis] - a[axis]);
+            if (u + 1) % 3 == v { above } else { -above }
+        } else {
+            orient3d(a, b, c, of.at[k])
+        };
     }
     if s == [1; 3] || s == [-1; 3] { None } else { Some(s) }
 }

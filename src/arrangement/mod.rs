@@ -43,7 +43,7 @@ pub struct Arrangement<'a> {
     /// Explicit vertices and intersection points.
     pub points: Points<'a>,
     /// The pieces.
-    pub cells: SubCells,
+    pub cells: SubCells<'a>,
     /// What happened.
     pub statistics: Statistics,
 }
@@ -67,20 +67,32 @@ pub struct Statistics {
 ///
 /// Loops are walked with the piece to the left, seen against the orientation of its triangle; the first is the outer one.
 /// A loop may have one vertex (a point of another leaf touches inside), or walk an edge back and forth (an edge does).
-#[derive(Clone, Debug, Default)]
-pub struct SubCells {
+#[derive(Clone, Debug)]
+pub struct SubCells<'a> {
+    input: &'a Conforming,
     vertices: Vec<u32>,
     loop_ends: Vec<u32>,
     cell_ends: Vec<u32>,
     /// Triangle of the input that each piece lies on.
     pub triangle: Vec<u32>,
-    /// For each piece, its list in `owner_lists`.
+    /// For each piece, its list of owners: first those of the input's cells, then those of coinciding pieces.
     pub owners: Vec<u32>,
-    /// Owner lists: first those of the input's cells, then those of coinciding pieces.
-    pub owner_lists: Vec<Vec<Owner>>,
+    coinciding: Vec<Vec<Owner>>,
 }
 
-impl SubCells {
+impl<'a> SubCells<'a> {
+    fn new(input: &'a Conforming) -> Self {
+        let none = Vec::new;
+        Self {
+            input,
+            vertices: none(),
+            loop_ends: none(),
+            cell_ends: none(),
+            triangle: none(),
+            owners: none(),
+            coinciding: Vec::new(),
+        }
+    }
     /// Number of pieces.
     pub fn len(&self) -> usize {
         self.cell_ends.len()
@@ -99,7 +111,11 @@ impl SubCells {
     }
     /// Facets that a piece belongs to.
     pub fn owners_of(&self, cell: usize) -> &[Owner] {
-        &self.owner_lists[self.owners[cell] as usize]
+        let list = self.owners[cell] as usize;
+        match list.checked_sub(self.input.cells.len()) {
+            None => &self.input.cells[list].owners,
+            Some(k) => &self.coinciding[k],
+        }
     }
     /// All loops' vertices, one after the other; position k is a corner, the start of one directed edge.
     pub fn corners(&self) -> &[u32] {

@@ -12,7 +12,7 @@ use std::cmp::Ordering;
 type Piece = Vec<Vec<u32>>;
 
 /// Cuts every triangle into its pieces, in triangle order.
-pub fn subdivide(mesh: &Mesh, graph: &Graph, points: &Points) -> SubCells {
+pub fn subdivide<'a>(mesh: &Mesh<'a>, graph: &Graph, points: &Points) -> SubCells<'a> {
     let count = mesh.triangles.len();
     let is_touched = |t: u32| {
         graph.drawing(t).is_some() || mesh.edges_of[t as usize].iter().any(|&e| !graph.edge_points[e as usize].is_empty())
@@ -24,7 +24,7 @@ pub fn subdivide(mesh: &Mesh, graph: &Graph, points: &Points) -> SubCells {
     } else {
         touched.par_iter().with_min_len(32).map(cut).collect()
     };
-    let mut cells = SubCells { owner_lists: mesh.input.cells.iter().map(|c| c.owners.clone()).collect(), ..Default::default() };
+    let mut cells = SubCells::new(mesh.input);
     let mut cut = touched.iter().copied().zip(pieces).peekable();
     for t in 0..count as u32 {
         let owners = mesh.input.cell_of_triangle[t as usize];

@@ -11,7 +11,7 @@ use crate::geom::hash::IndexMap;
 struct Labels {
     sets: Vec<Vec<u32>>,
     numbers: IndexMap<Vec<u32>, u32>,
-    /// Label reached from a label through a list of owners, and in which direction.
+    /// Label reached from a label by entering or leaving one leaf.
     steps: IndexMap<(u32, u32, bool), u32>,
 }
 
@@ -27,25 +27,31 @@ impl Labels {
     }
 
     /// The label behind a piece whose front has label `from` (or the other way round). `None` if it cannot be.
-    fn cross(&mut self, from: u32, list: u32, owners: &[Owner], is_from_front: bool) -> Option<u32> {
-        if let Some(&to) = self.steps.get(&(from, list, is_from_front)) {
-            return Some(to);
-        }
-        let mut set = self.sets[from as usize].clone();
+    fn cross(&mut self, mut from: u32, owners: &[Owner], is_from_front: bool) -> Option<u32> {
         for owner in owners {
             // Unflipped owners are inside behind the piece.
             let enters = is_from_front != owner.is_flipped;
-            match (set.binary_search(&owner.leaf.0), enters) {
-                (Err(k), true) => set.insert(k, owner.leaf.0),
-                (Ok(k), false) => {
-                    set.remove(k);
+            let key = (from, owner.leaf.0, enters);
+            from = match self.steps.get(&key) {
+                Some(&to) => to,
+                None => {
+                    let to = self.step(from, owner.leaf.0, enters)?;
+                    self.steps.insert(key, to);
+                    to
                 }
-                _ => return None,
-            }
+            };
         }
-        let to = self.number(set);
-        self.steps.insert((from, list, is_from_front), to);
-        Some(to)
+        Some(from)
+    }
+
+    fn step(&mut self, from: u32, leaf: u32, enters: bool) -> Option<u32> {
+        let mut set = self.sets[from as usize].clone();
+        match (set.binary_search(&leaf), enters) {
+            (Err(k), true) => set.insert(k, leaf),
+            (Ok(k), false) => drop(set.remove(k)),
+            _ => return None,
+        }
+        Some(self.number(set))
     }
 }
 
@@ -69,8 +75,7 @@ pub fn spread(arrangement: &Arrangement, shells: &[[u32; 2]], count: usize) -> R
             let label = label_of[shell as usize];
             for &side in around.of(shell) {
                 let (cell, is_front) = (side as usize / 2, side % 2 == 0);
-                let list = cells.owners[cell];
-                let beyond = labels.cross(label, list, cells.owners_of(cell), is_front);
+                let beyond = labels.cross(label, cells.owners_of(cell), is_front);
                 let other = shells[cell][usize::from(is_front)] as usize;
                 match beyond {
                     Some(l) if label_of[other] == u32::MAX => {

@@ -10,7 +10,7 @@ pub type Loops = Vec<Vec<Vec<u32>>>;
 /// dropped: repeated vertices, loops that become lines. A facet whose outer loop collapses keeps no loop.
 ///
 /// The first `explicit` places are vertices that contact has kept apart; they win over intersection points.
-pub fn weld(facets: Loops, places: &[Vec3], explicit: usize, reach: f64) -> (Vec<Vec3>, Loops) {
+pub fn weld(mut facets: Loops, places: &[Vec3], explicit: usize, reach: f64) -> (Vec<Vec3>, Loops) {
     let number = number_places(&facets, places, explicit, reach);
     let mut points = Vec::new();
     let mut slot = vec![u32::MAX; places.len()];
@@ -23,23 +23,38 @@ pub fn weld(facets: Loops, places: &[Vec3], explicit: usize, reach: f64) -> (Vec
         }
         slot[p]
     };
-    let renamed: Loops = facets.iter().map(|f| f.iter().map(|w| w.iter().map(|&p| vertex(p)).collect()).collect()).collect();
-    let tidy = |facet: Vec<Vec<u32>>| {
-        let mut loops: Vec<Vec<u32>> = Vec::with_capacity(facet.len());
-        for (k, walk) in facet.into_iter().enumerate() {
-            let was = walk.len();
-            let walk = without_spikes(walk);
-            if k == 0 && walk.len() < 3 {
-                return Vec::new();
-            }
-            // A hole that collapsed is still a place where something touches, and is found as such by the exact test.
-            if walk.len() >= 3 || was <= 2 {
-                loops.push(walk);
-            }
-        }
-        loops
+    for v in facets.iter_mut().flatten().flatten() {
+        *v = vertex(*v);
+    }
+    for facet in &mut facets {
+        tidy(facet);
+    }
+    (points, facets)
+}
+
+/// Drops what collapsed in one facet.
+fn tidy(facet: &mut Vec<Vec<u32>>) {
+    let is_proper = |walk: &Vec<u32>| {
+        let n = walk.len();
+        n >= 3 && (0..n).all(|k| walk[k] != walk[(k + 1) % n] && walk[k] != walk[(k + 2) % n])
     };
-    (points, renamed.into_iter().map(tidy).collect())
+    if facet.iter().all(is_proper) {
+        return;
+    }
+    let was: Vec<usize> = facet.iter().map(Vec::len).collect();
+    for walk in facet.iter_mut() {
+        *walk = without_spikes(std::mem::take(walk));
+    }
+    if facet.first().is_some_and(|outer| outer.len() < 3) {
+        facet.clear();
+        return;
+    }
+    // A hole that collapsed is still a place where something touches, and is found as such by the exact test.
+    let mut k = 0;
+    facet.retain(|walk| {
+        k += 1;
+        walk.len() >= 3 || was[k - 1] <= 2
+    });
 }
 
 /// For every used place the place that represents it.

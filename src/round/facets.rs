@@ -17,8 +17,8 @@ pub struct Piece {
 }
 
 /// Triangulates every facet that has loops; facets whose vertices do not lie within `flatness` of their plane become one piece per triangle.
-pub fn triangulate(loops: &Loops, points: &[Vec3], flatness: f64) -> Result<Vec<Piece>, Diagnostic> {
-    let one = |(facet, loops): (usize, &Vec<Vec<u32>>)| -> Result<Vec<Piece>, Diagnostic> {
+pub fn triangulate(loops: Loops, points: &[Vec3], flatness: f64) -> Result<Vec<Piece>, Diagnostic> {
+    let one = |(facet, loops): (usize, Vec<Vec<u32>>)| -> Result<Vec<Piece>, Diagnostic> {
         let Some(outer) = loops.first() else { return Ok(Vec::new()) };
         let walks: Vec<&[u32]> = loops.iter().map(|l| &l[..]).collect();
         let triangles = match polygon::triangulate(&walks, &[], &[], points) {
@@ -31,14 +31,14 @@ pub fn triangulate(loops: &Loops, points: &[Vec3], flatness: f64) -> Result<Vec<
             }
         };
         if triangles.len() == 1 || is_planar(&walks, points, flatness) {
-            return Ok(vec![Piece { facet, loops: loops.clone(), triangles }]);
+            return Ok(vec![Piece { facet, loops, triangles }]);
         }
         Ok(triangles.into_iter().map(|t| Piece { facet, loops: vec![t.to_vec()], triangles: vec![t] }).collect())
     };
     let nested: Vec<Vec<Piece>> = if loops.len() < 1024 {
-        loops.iter().enumerate().map(one).collect::<Result<_, _>>()?
+        loops.into_iter().enumerate().map(one).collect::<Result<_, _>>()?
     } else {
-        loops.par_iter().enumerate().with_min_len(256).map(one).collect::<Result<_, _>>()?
+        loops.into_par_iter().enumerate().with_min_len(256).map(one).collect::<Result<_, _>>()?
     };
     Ok(nested.into_iter().flatten().collect())
 }

@@ -51,30 +51,29 @@ pub enum Rounded {
 ///
 /// `tolerance`: that of the contact step, in the scene's unit; `size`: that of the model.
 pub fn round(
-    selected: &Selected,
+    mut selected: Selected,
     arrangement: &Arrangement,
     solids: &[Solid],
     tolerance: f64,
     size: f64,
 ) -> Result<Rounded, Diagnostic> {
-    let mut loops: Vec<Vec<Vec<u32>>> = selected.facets.iter().map(|f| f.loops.clone()).collect();
+    let mut loops: Vec<Vec<Vec<u32>>> = selected.facets.iter_mut().map(|f| std::mem::take(&mut f.loops)).collect();
     let places: Vec<Vec3> = (0..arrangement.points.len() as u32).map(|p| arrangement.points.at(p)).collect();
     let reach = PLANAR_ULPS * f64::EPSILON * places.iter().fold(size, |m, p| m.max(p.amax()));
     dissolve::dissolve(&mut loops, &places, tolerance.max(reach));
     let (points, loops) = collapse::weld(loops, &places, arrangement.points.explicit_len(), reach);
-    let pieces = facets::triangulate(&loops, &points, reach)?;
+    let pieces = facets::triangulate(loops, &points, reach)?;
     let (surfaces, surface_of) = surface_table(solids);
-    let mut complex = Complex { surfaces, markers: selected.markers.clone(), ..Default::default() };
+    let mut complex = Complex { surfaces, markers: std::mem::take(&mut selected.markers), ..Default::default() };
     let mut volumes = Vec::with_capacity(pieces.len());
     for piece in pieces {
         let facet = &selected.facets[piece.facet];
         let solid_facet = &solids[facet.source.0.index()].facets[facet.source.1 as usize];
-        let ids = |list: &[u32]| list.iter().map(|&v| VertexId(v)).collect::<Vec<_>>();
-        let corners = |l: &Vec<Vec<u32>>| l.iter().map(Vec::len).sum::<usize>();
-        let is_modified = facet.is_partial || corners(&piece.loops) != solid_facet.loops.iter().map(Vec::len).sum::<usize>();
+        let corners = |l: &[Vec<u32>]| l.iter().map(Vec::len).sum::<usize>();
+        let is_modified = facet.is_partial || corners(&piece.loops) != corners(&solid_facet.loops);
         complex.facets.push(ComplexFacet {
-            loops: piece.loops.iter().map(|l| ids(l)).collect(),
-            triangles: piece.triangles.iter().map(|t| t.map(VertexId)).collect(),
+            loops: piece.loops.into_iter().map(|l| l.into_iter().map(VertexId).collect()).collect(),
+            triangles: piece.triangles.into_iter().map(|t| t.map(VertexId)).collect(),
             sides: [crate::ids::RegionId(0); 2],
             surface: surface_of(facet.source),
             source: facet.source,
@@ -91,7 +90,7 @@ pub fn round(
         return Ok(Rounded::Broken { complex, violations });
     }
     freedom::assign(&mut complex, arrangement, solids, &places);
-    complex.killed = killed(selected, arrangement, &places);
+    complex.killed = killed(&selected, arrangement, &places);
     Ok(Rounded::Valid(complex))
 }
 

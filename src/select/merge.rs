@@ -5,7 +5,7 @@ use crate::arrangement::Arrangement;
 use crate::classify::EdgeUses;
 use crate::contact::conforming::Owner;
 use crate::geom::union_find::UnionFind;
-use crate::ids::MarkerId;
+use crate::ids::{Id, LeafId, MarkerId};
 
 /// `source_of`: for each retained piece, which of its owners it counts as a piece of. Merges across every edge at which exactly two retained pieces meet that come from the same facet, and have the same volumes in
 /// front and behind and the same marker.
@@ -98,7 +98,7 @@ fn collect(
     let vanished = (0..twin.len())
         .filter(|&c| twin[c] != u32::MAX)
         .map(|c| (cells.corners()[c], facet_of_set[set_of[edges.cell_of[c] as usize] as usize]));
-    keep_lone_points(&mut facets, lone.into_iter().chain(vanished));
+    keep_lone_points(&mut facets, arrangement.points.len(), lone.into_iter().chain(vanished));
     mark_partial(arrangement, &mut facets, kept, &facet_of_set, set_of);
     facets
 }
@@ -160,38 +160,45 @@ fn split_simple(walk: Vec<u32>, loops: &mut Vec<Vec<u32>>) {
 }
 
 /// A point inside a merged facet stays listed if another facet has it on its rim.
-fn keep_lone_points(facets: &mut [SelectedFacet], inner: impl Iterator<Item = (u32, u32)>) {
-    let mut rims: Vec<(u32, u32)> = Vec::new();
-    for (f, facet) in facets.iter().enumerate() {
-        rims.extend(facet.loops.iter().flatten().map(|&p| (p, f as u32)));
+fn keep_lone_points(facets: &mut [SelectedFacet], count: usize, inner: impl Iterator<Item = (u32, u32)>) {
+    let mut is_on_rim = vec![false; count];
+    for &p in facets.iter().flat_map(|f| f.loops.iter().flatten()) {
+        is_on_rim[p as usize] = true;
     }
-    rims.sort_unstable();
-    let mut wanted: Vec<(u32, u32)> = inner
-        .filter(|&(point, facet)| {
-            let first = rims.partition_point(|r| r.0 < point);
-            rims.get(first).is_some_and(|r| r.0 == point) && rims.binary_search(&(point, facet)).is_err()
-        })
-        .collect();
-    wanted.sort_unstable();
-    wanted.dedup();
-    for (point, facet) in wanted {
-        facets[facet as usize].loops.push(vec![point]);
+    for (point, facet) in inner {
+        let loops = &mut facets[facet as usize].loops;
+        if is_on_rim[point as usize] && !loops.iter().any(|l| l.contains(&point)) {
+            loops.push(vec![point]);
+        }
     }
 }
 
+/// Marks the facets that do not consist of all pieces of their source.
 fn mark_partial(arrangement: &Arrangement, facets: &mut [SelectedFacet], kept: &[bool], facet_of_set: &[u32], set_of: &[u32]) {
-    use crate::geom::hash::IndexMap;
-    let mut pieces: IndexMap<(u32, u32), u32> = IndexMap::default();
+    let cells = &arrangement.cells;
+    let mut first = Vec::new();
+    for owner in (0..cells.len()).flat_map(|c| cells.owners_of(c)) {
+        let leaf = owner.leaf.index();
+        if first.len() <= leaf + 1 {
+            first.resize(leaf + 2, 0u32);
+        }
+        first[leaf + 1] = first[leaf + 1].max(owner.facet + 1);
+    }
+    for leaf in 1..first.len() {
+        first[leaf] += first[leaf - 1];
+    }
+    let slot = |leaf: LeafId, facet: u32| (first[leaf.index()] + facet) as usize;
+    let mut pieces = vec![0u32; first.last().map_or(0, |n| *n as usize)];
     let mut mine = vec![0u32; facets.len()];
-    for cell in 0..arrangement.cells.len() {
-        for owner in arrangement.cells.owners_of(cell) {
-            *pieces.entry((owner.leaf.0, owner.facet)).or_default() += 1;
+    for cell in 0..cells.len() {
+        for owner in cells.owners_of(cell) {
+            pieces[slot(owner.leaf, owner.facet)] += 1;
         }
         if kept[cell] {
             mine[facet_of_set[set_of[cell] as usize] as usize] += 1;
         }
     }
     for (facet, count) in facets.iter_mut().zip(mine) {
-        facet.is_partial = pieces.get(&(facet.source.0.0, facet.source.1)) != Some(&count);
+        facet.is_partial = pieces[slot(facet.source.0, facet.source.1)] != count;
     }
 }
