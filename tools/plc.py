@@ -400,7 +400,7 @@ def _looks_inside(V, T, start, flip):
             q = np.cross(w, u)
             y = (q @ direction) / d
             ahead = (v * q).sum(1) / d
-        depth = np.min([x, y, 1 - x - y], axis=0)
+            depth = np.nan_to_num(np.min([x, y, 1 - x - y], axis=0), nan=-1.0)
         if not (np.abs(depth[ahead > 0]) < EDGE_MARGIN).any():
             return int(((depth > 0) & (ahead > 0)).sum()) % 2 == 1
     raise Fault("no ray misses all edges")
