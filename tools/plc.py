@@ -119,8 +119,8 @@ def det(a, b, c, d):
 def triangulate(V, polygons, hole_points):
     """Triangles of one facet over its own vertices; none is flat in the dominant projection.
 
-    Constrained triangulation of all polygons' edges: a sweep makes a triangulation of the points, flips put the edges in, and the
-    inside is what an odd number of polygon edges parts from the outside, less what holds a hole point."""
+    Constrained Delaunay triangulation of all polygons' edges, as TetGen makes it: a sweep makes a triangulation of the points, flips
+    put the edges in and make it Delaunay; a needle would leave the polygon's plane by rounding where it is not one. The inside is what an odd number of polygon edges parts from the outside, less what holds a hole point."""
     outer = max((p for p in polygons if len(p) > 2), key=lambda p: np.linalg.norm(_vector_area(V[p])), default=None)
     if outer is None:
         raise Fault("no polygon")
@@ -144,6 +144,7 @@ def triangulate(V, polygons, hole_points):
     mesh = _sweep(points)
     for a, b in edges:
         _force(mesh, points, edges, a, b)
+    _make_delaunay(mesh, points, edges)
     inside = _inside(mesh, edges)
     for hole in holes:
         at = next((t for t in inside if all(turn(points[t[i]], points[t[i - 2]], hole) >= 0 for i in range(3))), None)
@@ -212,12 +213,35 @@ def _force(mesh, points, edges, a, b):
         if turn(points[d], points[v], points[c]) <= 0 or turn(points[c], points[u], points[d]) <= 0:
             crossing.append((u, v))
             continue
-        for e in ((u, v), (v, u)):
-            del mesh[e]
-        mesh[c, d], mesh[d, v], mesh[v, c] = v, c, d
-        mesh[d, c], mesh[c, u], mesh[u, d] = u, d, c
+        _flip(mesh, u, v)
         if {c, d} != {a, b} and turn(points[a], points[b], points[c]) * turn(points[a], points[b], points[d]) < 0:
             crossing.append((c, d))
+
+
+def _flip(mesh, u, v):
+    """Replaces the edge u-v by the other diagonal of its two triangles."""
+    c, d = mesh.pop((u, v)), mesh.pop((v, u))
+    mesh[c, d], mesh[d, v], mesh[v, c] = v, c, d
+    mesh[d, c], mesh[c, u], mesh[u, d] = u, d, c
+
+
+def _make_delaunay(mesh, points, edges):
+    stack = [(u, v) for u, v in mesh if u < v]
+    while stack:
+        u, v = stack.pop()
+        if (u, v) not in mesh or (v, u) not in mesh or (min(u, v), max(u, v)) in edges:
+            continue
+        c, d = mesh[u, v], mesh[v, u]
+        if _in_circle(points[u], points[v], points[c], points[d]):
+            _flip(mesh, u, v)
+            stack += [(v, c), (c, u), (u, d), (d, v)]
+
+
+def _in_circle(a, b, c, d):
+    """Whether d lies strictly inside the circle of a, b, c, which turn left; then the diagonals can be exchanged."""
+    rows = [(p[0] - d[0], p[1] - d[1]) for p in (a, b, c)]
+    (ax, ay, aw), (bx, by, bw), (cx, cy, cw) = ((x, y, x * x + y * y) for x, y in rows)
+    return ax * (by * cw - bw * cy) - ay * (bx * cw - bw * cx) + aw * (bx * cy - by * cx) > 0
 
 
 def _crossed(mesh, points, a, b):
@@ -400,7 +424,7 @@ def _looks_inside(V, T, start, flip):
             q = np.cross(w, u)
             y = (q @ direction) / d
             ahead = (v * q).sum(1) / d
-        depth = np.min([x, y, 1 - x - y], axis=0)
+            depth = np.nan_to_num(np.min([x, y, 1 - x - y], axis=0), nan=-1.0)
         if not (np.abs(depth[ahead > 0]) < EDGE_MARGIN).any():
             return int(((depth > 0) & (ahead > 0)).sum()) % 2 == 1
     raise Fault("no ray misses all edges")

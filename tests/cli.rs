@@ -1,0 +1,181 @@
+//! The program from outside: exit codes, what is written and when, what is printed.
+
+mod support;
+
+use serde_json::Value;
+use std::fs;
+use std::process::{Command, Stdio};
+use support::{files, folder, gsm, root, scene, text};
+
+const GOOD: &str = r#"Scene(units: "mm", params: {"size": 2}, parts: [Part(name: "a", solid: Block(size: ("size", 1, 1)))])"#;
+
+#[test]
+fn a_good_scene_exits_0_and_writes_both_files_to_the_current_folder() {
+    let folder = folder("cli-good");
+    fs::write(folder.join("good.ron"), GOOD).unwrap();
+    let run = gsm(["build", "good.ron"], &folder);
+    assert_eq!(run.status.code(), Some(0));
+    assert_eq!(files(&folder), ["good.gsm.json", "good.poly", "good.ron"]);
+    let said = String::from_utf8(run.stdout).unwrap();
+    assert!(said.contains("good.poly") && said.contains("a|outer") && said.contains("2 mm^3"), "{said}");
+    assert!(run.stderr.is_empty());
+}
+
+#[test]
+fn output_goes_where_it_is_asked_for_and_replaces_old_files() {
+    let folder = folder("cli-output");
+    fs::create_dir(folder.join("below")).unwrap();
+    fs::write(folder.join("good.ron"), GOOD).unwrap();
+    fs::write(folder.join("below/other.poly"), "old").unwrap();
+    let run = gsm(["build", "good.ron", "-o", "below/other.poly", "--quiet"], &folder);
+    assert_eq!(run.status.code(), Some(0));
+    assert!(run.stdout.is_empty());
+    assert_eq!(files(&folder), ["below", "good.ron"]);
+    assert_eq!(files(&folder.join("below")), ["other.gsm.json", "other.poly"]);
+    assert!(fs::read_to_string(folder.join("below/other.poly")).unwrap().len() > 100);
+}
+
+#[test]
+fn set_replaces_a_parameter_and_enters_the_hash() {
+    let folder = folder("cli-set");
+    fs::write(folder.join("good.ron"), GOOD).unwrap();
+    let plain = support::build(&folder.join("good.ron"), &[], &folder);
+    let set = support::build(&folder.join("good.ron"), &["--set", "size=3mm"], &folder);
+    assert_eq!(plain["parts"][0]["volume"], 2.0);
+    assert_eq!(set["parts"][0]["volume"], 3.0);
+    assert_ne!(plain["scene_hash"], set["scene_hash"]);
+}
+
+#[test]
+fn json_tells_everything_and_nothing_else_is_printed() {
+    let folder = folder("cli-json");
+    let report = support::build(&scene("transformer3"), &[], &folder);
+    let names: Vec<&str> = report["interfaces"].as_array().unwrap().iter().map(|i| i["name"].as_str().unwrap()).collect();
+    assert!(names.contains(&"E|I") && names.contains(&"E|LV2") && names.contains(&"air|outer"), "{names:?}");
+    assert_eq!(report["parts"].as_array().unwrap().len(), 9);
+    assert!(report["timings"].as_array().unwrap().iter().all(|t| t["wall"].as_f64().unwrap() >= 0.0));
+    let manifest: Value = serde_json::from_slice(&fs::read(folder.join("transformer3.gsm.json")).unwrap()).unwrap();
+    assert_eq!(manifest["unit"], "mm");
+    assert_eq!(manifest["regions"].as_array().unwrap().len(), 9);
+}
+
+#[test]
+fn wrong_models_exit_1_say_where_and_write_nothing() {
+    let folder = folder("cli-wrong");
+    for entry in fs::read_dir(root("scenes/bad")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|e| e != "ron") {
+            continue;
+        }
+        for command in ["build", "check"] {
+            let run = gsm([command, text(&path)], &folder);
+            assert_eq!(run.status.code(), Some(1), "{command} {}", path.display());
+            let said = [run.stdout, run.stderr].map(|bytes| String::from_utf8(bytes).unwrap()).concat();
+            assert!(said.contains("error["), "{}: {said}", path.display());
+        }
+        let run = gsm(["build", text(&path), "--json"], &folder);
+        let report: Value = serde_json::from_slice(&run.stdout).unwrap();
+        assert!(!report["errors"].as_array().unwrap().is_empty());
+        assert!(files(&folder).is_empty(), "{} wrote {:?}", path.display(), files(&folder));
+    }
+}
+
+#[test]
+fn wrong_arguments_exit_2() {
+    let folder = folder("cli-usage");
+    let cases: [&[&str]; 6] =
+        [&[], &["bild"], &["build"], &["build", "a.ron", "--set", "gap"], &["build", "a.ron", "--threads", "0"], &["check"]];
+    for arguments in cases {
+        let run = gsm(arguments, &folder);
+        assert_eq!(run.status.code(), Some(2), "{arguments:?}");
+        assert!(!run.stderr.is_empty(), "{arguments:?}");
+    }
+    let unknown = gsm(["build", text(&scene("cone")), "--set", "nothing=1"], &folder);
+    assert_eq!(unknown.status.code(), Some(1), "an unknown parameter is the model's fault: the scene decides which there are");
+    assert!(files(&folder).is_empty());
+}
+
+#[test]
+fn help_and_version_exit_0() {
+    let folder = folder("cli-help");
+    for arguments in [&["--help"][..], &["--version"], &["build", "--help"], &["check", "--help"]] {
+        let run = gsm(arguments, &folder);
+        assert_eq!(run.status.code(), Some(0));
+        assert!(!run.stdout.is_empty());
+    }
+}
+
+#[test]
+fn places_that_cannot_be_written_exit_1_and_change_nothing() {
+    let folder = folder("cli-place");
+    fs::write(folder.join("good.ron"), GOOD).unwrap();
+    fs::write(folder.join("file"), "a file").unwrap();
+    // A manifest that cannot be renamed into place: the .poly before it must not stay.
+    fs::create_dir_all(folder.join("taken.gsm.json/inside")).unwrap();
+    fs::write(folder.join("taken.poly"), "old").unwrap();
+    let before = files(&folder);
+    for place in ["missing/a.poly", "file/a.poly", "taken.poly"] {
+        let run = gsm(["build", "good.ron", "-o", place], &folder);
+        let said = String::from_utf8(run.stderr).unwrap();
+        assert_eq!(run.status.code(), Some(1), "{place}: {said}");
+        assert!(said.contains("error[cannot-write]"), "{place}: {said}");
+        assert_eq!(files(&folder), before, "{place}");
+    }
+    assert_eq!(fs::read_to_string(folder.join("taken.poly")).unwrap(), "old");
+}
+
+/// Nobody may write to /proc, not even the root user that tests in containers run as.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_read_only_folder_exits_1() {
+    let folder = folder("cli-read-only");
+    fs::write(folder.join("good.ron"), GOOD).unwrap();
+    let run = gsm(["build", "good.ron", "-o", "/proc/a.poly"], &folder);
+    assert_eq!(run.status.code(), Some(1));
+    assert!(String::from_utf8(run.stderr).unwrap().contains("error[cannot-write]"));
+}
+
+#[test]
+fn a_reader_that_leaves_is_no_error() {
+    let folder = folder("cli-pipe");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_gsm"))
+        .args(["build", text(&scene("machine"))])
+        .current_dir(&folder)
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    assert_eq!(child.wait().unwrap().code(), Some(0));
+}
+
+#[test]
+fn check_takes_scenes_and_files_and_writes_nothing() {
+    let folder = folder("cli-check");
+    let run = gsm(["check", text(&scene("team07"))], &folder);
+    assert_eq!(run.status.code(), Some(0), "{}", String::from_utf8_lossy(&run.stdout));
+    assert!(files(&folder).is_empty());
+    support::build(&scene("team07"), &[], &folder);
+    let run = gsm(["check", "team07.poly"], &folder);
+    assert_eq!(run.status.code(), Some(0), "{}", String::from_utf8_lossy(&run.stdout));
+    let run = gsm(["check", "team07.poly", "--json"], &folder);
+    let verdict: Value = serde_json::from_slice(&run.stdout).unwrap();
+    assert_eq!((&verdict["is_valid"], &verdict["counts"]["seeds"]), (&Value::Bool(true), &Value::from(3)));
+    assert_eq!(files(&folder), ["team07.gsm.json", "team07.poly"]);
+    assert_eq!(gsm(["check", "nothing.poly"], &folder).status.code(), Some(1));
+    assert_eq!(gsm(["check", "nothing.ron"], &folder).status.code(), Some(1));
+}
+
+#[test]
+fn check_finds_a_vertex_that_was_moved_by_hand() {
+    let folder = folder("cli-moved");
+    support::build(&scene("prism_holes"), &[], &folder);
+    let path = folder.join("prism_holes.poly");
+    let poly = fs::read_to_string(&path).unwrap();
+    let row = poly.lines().find(|l| l.ends_with("100.0 100.0 50.0")).expect("a corner of a hole");
+    let moved = row.replace("100.0 100.0 50.0", "100.0 100.0 50.001");
+    fs::write(&path, poly.replace(row, &moved)).unwrap();
+    let run = gsm(["check", "prism_holes.poly"], &folder);
+    let said = String::from_utf8(run.stdout).unwrap();
+    assert_eq!(run.status.code(), Some(1), "{said}");
+    assert!(said.contains("not-planar") && said.contains("body|outer"), "{said}");
+}
