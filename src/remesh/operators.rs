@@ -89,6 +89,7 @@ impl Workpiece {
             self.sizes.resize(vertex.index() + 1, f64::INFINITY);
         }
         self.places[vertex.index()] = place;
+        self.mark(&touched.facets);
         self.sizes[vertex.index()] = 0.5 * (self.sizes[ends[0].index()] + self.sizes[ends[1].index()]);
         Some(touched)
     }
@@ -154,6 +155,7 @@ impl Workpiece {
             self.lone_edges.insert(sorted([plan.kept, beyond]), c);
         }
         let touched = self.brep.collapse(plan);
+        self.mark(&touched.facets);
         for f in &touched.removed_facets {
             self.is_treated[f.index()] = false;
         }
@@ -184,6 +186,7 @@ impl Workpiece {
         }
         let touched = self.brep.swap(plan);
         self.register(&touched.facets, sense);
+        self.mark(&touched.facets);
         touched
     }
 }
@@ -233,5 +236,7 @@ impl Workpiece {
     /// Moves a vertex.
     pub fn relocate(&mut self, vertex: VertexId, to: Vec3) {
         self.brep.vertices[vertex].point = to;
+        let star = self.star(vertex);
+        self.mark(&star);
     }
 }

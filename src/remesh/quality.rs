@@ -16,7 +16,18 @@ pub fn sharpest_cosine([a, b, c]: [&Vec3; 3]) -> f64 {
     } else {
         (ww, uu, vv)
     };
-    if short == 0.0 { 1.0 } else { (x + y - short) * 0.5 / (x * y).sqrt() }
+    if short == 0.0 {
+        return 1.0;
+    }
+    let least = (x + y - short) * 0.5 / (x * y).sqrt();
+    let obt = tune_obt();
+    if obt > 0.0 {
+        let long = x.max(y);
+        let other = x.min(y);
+        let greatest = (short + other - long) * 0.5 / (short * other).sqrt();
+        return least.max(0.766 - obt * greatest);
+    }
+    least
 }
 
 /// Cosine of an angle given in degrees.
@@ -24,6 +35,10 @@ pub fn cosine_of_degrees(degrees: f64) -> f64 {
     libm::cos(degrees.to_radians())
 }
 
+fn tune_obt() -> f64 {
+    static OBT: std::sync::OnceLock<f64> = std::sync::OnceLock::new();
+    *OBT.get_or_init(|| tune("OBT", 0.0))
+}
 pub fn tune(name: &str, default: f64) -> f64 {
     std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default)
 }

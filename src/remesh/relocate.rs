@@ -27,7 +27,7 @@ const FINE: f64 = 38.0;
 const SQUEEZED: f64 = 5.0;
 
 /// Steps of the pattern search for the best place.
-const SEARCH_STEPS: usize = 12;
+const SEARCH_STEPS: usize = 9;
 
 impl Workpiece {
     /// Moves a vertex towards its aim as far as that is legal; whether it moved.

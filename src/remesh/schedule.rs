@@ -66,9 +66,11 @@ impl Workpiece {
         say(self, "settle");
         for round in 0..ROUNDS {
             self.renew_sizes(limits);
+            // Curves first: what lies between them adapts, and needles that still span a strip do not hold its rims.
+            self.collapse_short(Reach::Curves);
             self.split_long(limits);
             say(self, "split");
-            self.collapse_short();
+            self.collapse_short(Reach::All);
             say(self, "collapse");
             self.settle();
             say(self, "settle");
@@ -190,11 +192,12 @@ impl Workpiece {
     }
 
     /// Collapses edges that are too short, shortest first.
-    fn collapse_short(&mut self) {
+    fn collapse_short(&mut self, reach: Reach) {
         let rough = cosine_of_degrees(ROUGH);
-        self.collapse_while(SHORT, LONG, |effect| {
+        self.collapse_while(SHORT, LONG, reach, |effect, is_inner| {
+            let allowed = if is_inner { LOOSE } else { 1.0 };
             !effect.after.is_flipped
-                && effect.after.excess <= effect.before.excess.max(LOOSE)
+                && effect.after.excess <= effect.before.excess.max(allowed)
                 && effect.after.cosine <= effect.before.cosine.max(rough)
         });
     }
@@ -202,19 +205,19 @@ impl Workpiece {
     /// Collapses edges, shortest first, as long as shape and deviation stay good: no more triangles than needed.
     fn thin_out(&mut self) {
         let keep = cosine_of_degrees(super::quality::tune("KEEP", THIN_KEEPS));
-        self.collapse_while(super::quality::tune("TB", 1.1), super::quality::tune("TL", 1.5), |effect| {
+        self.collapse_while(super::quality::tune("TB", 1.1), super::quality::tune("TL", 1.5), Reach::All, |effect, _| {
             effect.is_legal() && effect.after.excess <= 1.0 && effect.after.cosine <= keep
         });
     }
 
     /// Collapses edges shorter than `below` wanted lengths, unless an edge longer than `longest` would arise.
-    fn collapse_while(&mut self, below: f64, longest: f64, accept: impl Fn(&Effect) -> bool) {
+    fn collapse_while(&mut self, below: f64, longest: f64, reach: Reach, accept: impl Fn(&Effect, bool) -> bool) {
         let mut queue = Queue::new();
         let edges = self.active_edges();
         let mut budget = BUDGET_PER_EDGE * edges.len() + 100;
         let enqueue = |me: &Self, queue: &mut Queue<EdgeId>, e: EdgeId| {
             let length = me.relative_length(e);
-            if length < below && me.is_active(e) {
+            if length < below && me.is_active(e) && (reach == Reach::All || me.brep.is_feature(e)) {
                 queue.push(e, below - length);
             }
         };
@@ -228,7 +231,8 @@ impl Workpiece {
             }
             budget -= 1;
             let [a, b] = self.brep.topology.ends(edge);
-            let plans = [a, b].map(|gone| self.plan_collapse(edge, gone).filter(|p| accept(&p.1)));
+            let is_inner = |v| matches!(self.place(v), Place::Surface(_));
+            let plans = [a, b].map(|gone| self.plan_collapse(edge, gone).filter(|p| accept(&p.1, is_inner(gone))));
             let best = plans.into_iter().flatten().min_by(|p, q| p.1.after.cosine.total_cmp(&q.1.after.cosine));
             let Some((plan, _)) = best else { continue };
             if self.would_stretch(plan.gone, plan.kept, longest) {
@@ -272,8 +276,13 @@ impl Workpiece {
         let facets: Vec<FacetId> = self.brep.topology.facets().filter(|&f| self.is_treated(f)).collect();
         let mut budget = BUDGET_PER_EDGE * facets.len() + 100;
         for f in facets {
-            self.enqueue_poor(&mut queue, f, goal);
+            let is_new = self.corners(f).is_some_and(|t| t.iter().any(|v| self.is_changed(*v)));
+            if is_new {
+                self.enqueue_poor(&mut queue, f, goal);
+            }
         }
+        // Ids beyond the end count as changed: vertices that are made from here on.
+        self.changed = vec![false; self.brep.topology.bounds()[0]];
         while let Some((facet, key)) = queue.pop() {
             let is_stale = !self.brep.topology.has_facet(facet)
                 || !self.is_treated(facet)
@@ -324,7 +333,7 @@ impl Workpiece {
             }
         }
         match best {
-            None => Vec::new(),
+            None => self.try_split(facet),
             Some((_, Mend::Swap(plan))) => self.swap(&plan).facets,
             Some((_, Mend::Collapse(plan))) => self.collapse(&plan).facets,
             Some((_, Mend::Move(vertex, to))) => {
@@ -332,6 +341,31 @@ impl Workpiece {
                 self.star(vertex)
             }
         }
+    }
+
+    /// Splits the longest edge of a triangle if the new vertex finds a place where all triangles around are better than those
+    /// before; else takes the split back.
+    fn try_split(&mut self, facet: FacetId) -> Vec<FacetId> {
+        let longest = self.edges_of(&[facet]).into_iter().max_by(|&a, &b| self.length(a).total_cmp(&self.length(b)));
+        let Some(edge) = longest.filter(|&e| self.relative_length(e) > SHORT) else { return Vec::new() };
+        let ends = self.brep.topology.ends(edge);
+        let around: Vec<FacetId> = self.brep.topology.facets_around(edge).filter(|&f| self.is_treated(f)).collect();
+        let before = self.worst(&around);
+        let Some(vertex) = self.split(edge).and_then(|t| t.vertex) else { return Vec::new() };
+        let place = self.best_place(vertex);
+        let star = self.star(vertex);
+        let after = place.as_ref().map_or_else(|| self.worst_at(vertex, &star), |p| p.1.after);
+        if (Effect { before, after }).is_better() {
+            if let Some((to, _)) = place {
+                self.relocate(vertex, to);
+            }
+            return star;
+        }
+        let back = self.brep.topology.edge_between(vertex, ends[1]);
+        if let Some((plan, _)) = back.and_then(|e| self.plan_collapse(e, vertex)) {
+            self.collapse(&plan);
+        }
+        Vec::new()
     }
 
     /// Splits edges that are further from their curve or surface than allowed; how many.
@@ -358,7 +392,7 @@ impl Workpiece {
         let facet = self.brep.topology.facets_around(edge).find(|&f| self.is_treated(f));
         facet.and_then(|f| self.support(f)).map_or(0.0, |s| {
             let foot = s.closest(&middle);
-            (foot.point - middle).norm() / self.bound.at(&foot)
+            (foot.point - middle).norm() / (self.bound.at(&foot) * facet.map_or(1.0, |f| self.share(f)))
         })
     }
 
@@ -366,6 +400,13 @@ impl Workpiece {
     pub fn is_movable(&self, vertex: VertexId) -> bool {
         self.place(vertex) != Place::Corner
     }
+}
+
+/// Which edges are collapsed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Reach {
+    Curves,
+    All,
 }
 
 /// How a triangle can be mended.

@@ -151,8 +151,9 @@ impl Workpiece {
         surfaces.sort_unstable();
         surfaces.dedup();
         let mut size = f64::INFINITY;
-        for s in surfaces.iter().filter_map(|&s| self.supports[s].as_deref()) {
-            size = size.min(super::quality::tune("SAFETY", SAFETY) * self.length_near(s, &point, &star));
+        for &id in &surfaces {
+            let Some(s) = self.supports[id].as_deref() else { continue };
+            size = size.min(self.shares[id.index()].sqrt() * super::quality::tune("SAFETY", SAFETY) * self.length_near(s, &point, &star));
         }
         if let Place::Curve(c) = self.place(vertex)
             && let Some(foot) = self.curves[c].closest(&point)
