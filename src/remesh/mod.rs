@@ -112,6 +112,7 @@ impl Workpiece {
             sizes: Vec::new(),
             bound: Bound::Fixed(size),
             shares,
+            obtuse: 0.0,
             changed: Vec::new(),
         })
     }

@@ -199,7 +199,7 @@ impl Workpiece {
         // Shapes first: they cost a tenth of a look at the supports.
         for &facet in star {
             let [a, b, c] = moved(facet)?;
-            if sharpest_cosine([&a, &b, &c]) > limit {
+            if sharpest_cosine([&a, &b, &c], self.obtuse) > limit {
                 return None;
             }
         }

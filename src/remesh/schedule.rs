@@ -15,6 +15,9 @@ use std::collections::BinaryHeap;
 const LONG: f64 = 1.4;
 const SHORT: f64 = 0.7;
 
+/// How much longer than before an edge that is too long already may get by a collapse beside it.
+const STRETCH: f64 = 1.1;
+
 /// Rounds of split, collapse, swap and relocate; shape and size hardly change after four.
 const ROUNDS: usize = 5;
 
@@ -28,6 +31,14 @@ const THIN_KEEPS: f64 = 40.0;
 const LOOSE: f64 = 1.5;
 /// Least drop of such a deviation for which an edge is swapped.
 const LEAST_DROP: f64 = 0.05;
+
+/// Thinning out collapses edges below this many wanted lengths as long as none above that arises; so often at most.
+const THIN_BELOW: f64 = 1.1;
+const THIN_LONGEST: f64 = 1.5;
+const THIN_ROUNDS: usize = 3;
+
+/// Weight of obtuse angles in all polishing but the last: TetGen cuts edges that see an obtuse angle.
+const OBTUSE: f64 = 0.25;
 
 /// Operations per edge at most in one pass: passes end long before, this bounds them on any input.
 const BUDGET_PER_EDGE: usize = 20;
@@ -50,52 +61,34 @@ impl<I: Id> Queue<I> {
 impl Workpiece {
     /// The whole remeshing of the treated facets.
     pub fn run(&mut self, limits: &Limits) {
-        let start = std::time::Instant::now();
-        let say = |me: &Self, what: &str| {
-            if std::env::var("SAY").is_ok() {
-                let facets: Vec<FacetId> = me.brep.topology.facets().filter(|&f| me.is_treated(f)).collect();
-                let worst = me.worst(&facets);
-                let poor = facets.iter().filter(|&&f| me.measure_facet(f).cosine > cosine_of_degrees(40.0)).count();
-                let over = facets.iter().filter(|&&f| me.measure_facet(f).excess > 1.0 + 1e-9).count();
-                let ms = start.elapsed().as_millis();
-                let angle = libm::acos(worst.cosine).to_degrees();
-                eprintln!("{ms:6} ms {what:10} {} facets, {angle:.1} deg, {poor} poor, {over} over, excess {:.2}, flipped {}", facets.len(), worst.excess, worst.is_flipped);
-            }
-        };
         self.settle();
-        say(self, "settle");
         for round in 0..ROUNDS {
             self.renew_sizes(limits);
             // Curves first: what lies between them adapts, and needles that still span a strip do not hold its rims.
             self.collapse_short(Reach::Curves);
             self.split_long(limits);
-            say(self, "split");
             self.collapse_short(Reach::All);
-            say(self, "collapse");
             self.settle();
-            say(self, "settle");
             let edges = self.active_edges();
             self.swap_all(&edges);
             self.smooth();
             if round + 1 == ROUNDS {
                 self.smooth();
             }
-            say(self, "smooth");
         }
+        self.obtuse = OBTUSE;
         self.polish();
-        say(self, "polish");
-        for _ in 0..super::quality::tune("THINS", 3.0) as usize {
+        for _ in 0..THIN_ROUNDS {
             self.thin_out();
-            say(self, "thin");
             self.polish();
-            say(self, "polish");
             if self.split_deviating() == 0 {
                 break;
             }
-            say(self, "deviating");
             self.polish();
-            say(self, "polish");
         }
+        self.obtuse = 0.0;
+        self.changed.clear();
+        self.polish();
     }
 
     pub fn active_edges(&self) -> Vec<EdgeId> {
@@ -204,8 +197,8 @@ impl Workpiece {
 
     /// Collapses edges, shortest first, as long as shape and deviation stay good: no more triangles than needed.
     fn thin_out(&mut self) {
-        let keep = cosine_of_degrees(super::quality::tune("KEEP", THIN_KEEPS));
-        self.collapse_while(super::quality::tune("TB", 1.1), super::quality::tune("TL", 1.5), Reach::All, |effect, _| {
+        let keep = cosine_of_degrees(THIN_KEEPS);
+        self.collapse_while(THIN_BELOW, THIN_LONGEST, Reach::All, |effect, _| {
             effect.is_legal() && effect.after.excess <= 1.0 && effect.after.cosine <= keep
         });
     }
@@ -251,7 +244,7 @@ impl Workpiece {
         self.brep.topology.neighbours(gone).filter(|&n| n != kept).any(|n| {
             let size = 0.5 * (self.sizes[n.index()] + self.sizes[kept.index()]);
             let length = (self.point(n) - to).norm();
-            length > longest * size && length > (self.point(n) - from).norm()
+            length > longest * size && length > STRETCH * (self.point(n) - from).norm()
         })
     }
 

@@ -72,6 +72,8 @@ pub(super) struct Workpiece {
     /// By vertex: wanted edge length.
     pub sizes: Vec<f64>,
     pub bound: Bound,
+    /// How much obtuse triangles count as sharp ones.
+    pub obtuse: f64,
     /// By surface: share of the bound that it may use; less where facets came too near to others.
     pub shares: Vec<f64>,
     /// By vertex: whether anything around it changed since it was last polished; all true if too short.
@@ -129,7 +131,7 @@ impl Workpiece {
     /// Measures the triangle of a facet with other corner positions.
     pub fn measure(&self, facet: FacetId, corners: [Vec3; 3]) -> Measure {
         let [a, b, c] = corners;
-        let cosine = sharpest_cosine([&a, &b, &c]);
+        let cosine = sharpest_cosine([&a, &b, &c], self.obtuse);
         let Some(support) = self.support(facet) else {
             return Measure { cosine, excess: 0.0, is_flipped: false };
         };
