@@ -58,7 +58,7 @@ impl Curve {
     /// The curve of a chain of vertices (closed if its ends are equal) on `supports`: a line or a circle if the chain lies on
     /// one and the supports agree halfway between vertices, else the crossing of the supports, else the chain itself.
     pub fn of_chain(chain: &[Vec3], supports: &[Arc<Support>]) -> Self {
-        let exact = line_through(chain).or_else(|| circle_through(chain, supports));
+        let exact = line_through(chain, supports).or_else(|| circle_through(chain, supports));
         if let Some(curve) = exact {
             return curve;
         }
@@ -148,12 +148,17 @@ fn extent(chain: &[Vec3]) -> f64 {
     chain.iter().map(|p| (p - chain[0]).norm()).fold(0.0, f64::max)
 }
 
-fn line_through(chain: &[Vec3]) -> Option<Curve> {
+/// A line if all vertices are on one and the supports hold it: two vertices always have a line through them, but where an
+/// intersection of facets made them it is off the true surfaces.
+fn line_through(chain: &[Vec3], supports: &[Arc<Support>]) -> Option<Curve> {
     let (first, last) = (*chain.first()?, *chain.last()?);
     let direction = (last - first).try_normalize(0.0)?;
     let allowed = CHAIN_ACCURACY * extent(chain);
     let is_straight = chain.iter().all(|p| (p - first).cross(&direction).norm() <= allowed);
-    is_straight.then_some(Curve::Line { origin: first, direction })
+    let exact = || supports.iter().filter(|s| !matches!(***s, Support::Fitted(_)));
+    let is_held = |p: &Vec3| exact().all(|s| s.distance(p) <= allowed);
+    let holds = |w: &[Vec3]| is_held(&w[0]) && is_held(&w[1]) && is_held(&((w[0] + w[1]) * 0.5));
+    (is_straight && chain.windows(2).all(holds)).then_some(Curve::Line { origin: first, direction })
 }
 
 /// A circle if all vertices are on one and the supports hold it halfway between the vertices.

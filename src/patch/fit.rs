@@ -182,13 +182,13 @@ impl Sample {
                 add(facet.source, t.map(corner));
             }
         }
-        // Killed facets know their leaf only; they belong here if the leaf has no other surface of this kind.
+        // Killed facets know their leaf only. One that is not part of a retained facet may belong to any surface of it; if not to
+        // this one, sharp edges keep it out of the neighbourhoods.
         let leaf = complex.surfaces[surface].leaf;
         let owner: BTreeMap<(LeafId, u32), SurfaceId> =
             complex.facets.iter().filter(|f| f.source.0 == leaf).map(|f| (f.source, f.surface)).collect();
-        let is_only = complex.surfaces.iter().filter(|s| s.leaf == leaf).count() == 1;
         for killed in complex.killed.iter().filter(|k| k.source.0 == leaf) {
-            if owner.get(&killed.source).map_or(is_only, |s| *s == surface) {
+            if owner.get(&killed.source).is_none_or(|s| *s == surface) {
                 add(killed.source, killed.triangle.map(|p| (p, false)));
             }
         }

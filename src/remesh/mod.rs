@@ -14,7 +14,8 @@
 //! 6. Polish, worst triangle first: the one of swap, collapse and relocation (`relocate`: a pattern search) that raises the
 //!    smallest angle around most.
 //! 7. Thin out: collapse what shape and deviation do not need; split what still deviates too far; polish.
-//! 8. Planar facets get new triangulations.
+//! 8. Planar facets get new triangulations, and an exact test proves that nothing meets anything (`verify`). Surfaces at fault
+//!    are remeshed again with half the deviation, at last left alone; if nothing helps, the complex stays as evaluated.
 //!
 //! Every operation (`operators`) is a short sequence of Euler operators of the kernel (`brep::local`), planned and judged before
 //! it is applied: nothing flips against the support, no deviation grows past the bound, planar facets beside stay simple
@@ -33,6 +34,7 @@
 //! strip 300 x 26 of a cylinder -> split along its length at the wanted size, swapped to triangles, 24 segments kept or not
 //! ```
 
+mod creases;
 mod features;
 mod operators;
 mod polygons;
@@ -40,20 +42,27 @@ mod quality;
 mod relocate;
 mod schedule;
 mod sizing;
+mod verify;
 mod workpiece;
 
 use crate::brep::complex::Complex;
 use crate::brep::model::Brep;
-use crate::diag::{Diagnostic, Outcome};
+use crate::diag::Outcome;
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
-use crate::ids::{FacetId, Id};
-use crate::ids::{IdVec, PartId};
+use crate::ids::{FacetId, Id, IdVec, PartId, SurfaceId};
 use crate::patch::fit::supports_of;
+use crate::patch::support::Support;
 use crate::scene::model::{Part, RemeshMode, RemeshOptions};
 use sizing::{Bound, Limits};
 use std::collections::HashMap;
+use std::sync::Arc;
 use workpiece::Workpiece;
+
+/// Attempts at most; each one remeshes surfaces at fault closer to their true shape, or leaves them alone.
+const ATTEMPTS: usize = 6;
+/// Share of the deviation bound at which a surface at fault is left alone.
+const LEAST_SHARE: f64 = 0.3;
 
 /// Remeshes a complex.
 ///
@@ -61,54 +70,86 @@ use workpiece::Workpiece;
 /// their numbers; vertices and facets are new; with [`RemeshMode::Off`] nothing has changed.
 ///
 /// # Errors
-/// Internal ones if the complex breaks its invariants or a planar facet cannot be triangulated again.
+/// Internal ones if the complex breaks its invariants.
 pub fn remesh(complex: Complex, options: &RemeshOptions, parts: &IdVec<PartId, Part>) -> Outcome<Complex> {
     if options.mode == RemeshMode::Off {
         return Ok(complex);
     }
+    let mut complex = complex;
+    let count = complex.surfaces.len();
+    let original = creases::divide(&mut complex);
     let supports = supports_of(&complex, options.patches);
-    let size = Aabb::around(complex.vertices.iter().map(|v| &v.point)).diagonal();
-    let brep = Brep::from_complex(complex)?;
-    let mut work = Workpiece {
-        brep,
-        supports,
-        curves: Default::default(),
-        lone_edges: HashMap::new(),
-        is_treated: Vec::new(),
-        sense: Vec::new(),
-        places: Vec::new(),
-        sizes: Vec::new(),
-        bound: Bound::Fixed(size),
-    };
-    let treated = work.choose(options.mode);
-    work.bound = match options.max_deviation {
-        Some(d) => Bound::Fixed(d),
-        None => work.present_bound(&treated, size),
-    };
-    let limits = Limits::of(&work, size, parts);
-    work.divide(&treated);
-    work.find_features();
-    work.run(&limits);
-    work.retriangulate()?;
-    Ok(work.brep.to_complex())
+    let mut shares = vec![1.0; complex.surfaces.len()];
+    for _ in 0..ATTEMPTS {
+        let mut work = Workpiece::new(complex.clone(), supports.clone(), shares.clone())?;
+        work.remesh(options, parts);
+        let faulty = work.faulty_surfaces();
+        if faulty.is_empty() {
+            let mut done = work.brep.to_complex();
+            creases::restore(&mut done, &original, count);
+            return Ok(done);
+        }
+        for s in faulty {
+            let share = &mut shares[s.index()];
+            *share = if *share > LEAST_SHARE { *share * 0.5 } else { 0.0 };
+        }
+    }
+    creases::restore(&mut complex, &original, count);
+    Ok(complex)
 }
 
 impl Workpiece {
+    fn new(complex: Complex, supports: IdVec<SurfaceId, Option<Arc<Support>>>, shares: Vec<f64>) -> Outcome<Self> {
+        let size = Aabb::around(complex.vertices.iter().map(|v| &v.point)).diagonal();
+        Ok(Self {
+            brep: Brep::from_complex(complex)?,
+            supports,
+            curves: IdVec::new(),
+            lone_edges: HashMap::new(),
+            is_treated: Vec::new(),
+            sense: Vec::new(),
+            places: Vec::new(),
+            sizes: Vec::new(),
+            bound: Bound::Fixed(size),
+            shares,
+            obtuse: 0.0,
+            changed: Vec::new(),
+        })
+    }
+
+    fn remesh(&mut self, options: &RemeshOptions, parts: &IdVec<PartId, Part>) {
+        let size = Aabb::around(self.brep.vertices.iter().map(|v| &v.point)).diagonal();
+        let treated = self.choose(options.mode);
+        self.bound = match options.max_deviation {
+            Some(d) => Bound::Fixed(d),
+            None => self.present_bound(&treated, size),
+        };
+        let limits = Limits::of(self, size, parts);
+        self.divide(&treated);
+        self.find_features();
+        self.run(&limits);
+    }
+
     /// The facets to be remeshed.
     fn choose(&self, mode: RemeshMode) -> Vec<FacetId> {
         let topology = &self.brep.topology;
         let is_curved = |f: &FacetId| self.supports[self.brep.facets[*f].surface].is_some();
         let is_modified = |f: FacetId| self.brep.facets[f].is_modified;
         // Strips are as long as their side: only the cut ones. Triangles: also those beside cut ones.
-        let is_beside =
-            |f: FacetId| topology.triangle(f).is_some_and(|t| t.iter().any(|&v| topology.facets_at(v).any(is_modified)));
-        topology.facets().filter(is_curved).filter(|&f| mode == RemeshMode::Full || is_modified(f) || is_beside(f)).collect()
+        let is_beside = |f: FacetId| {
+            topology.triangle(f).is_some_and(|t| t.iter().any(|&v| topology.facets_at(v).any(is_modified)))
+        };
+        let is_open = |f: &FacetId| self.share(*f) > 0.0;
+        topology.facets().filter(is_curved).filter(is_open).filter(|&f| mode == RemeshMode::Full || is_modified(f) || is_beside(f)).collect()
     }
 
     /// The default bound (equation 4.1).
     fn present_bound(&self, treated: &[FacetId], size: f64) -> Bound {
         let triangles = treated.iter().filter_map(|&f| self.support(f).map(|s| (f, s)));
-        Bound::of_facets(triangles.flat_map(|(f, s)| self.brep.triangles(f).map(move |t| (s, t.map(|v| self.point(v))))), size)
+        Bound::of_facets(
+            triangles.flat_map(|(f, s)| self.brep.triangles(f).map(move |t| (s, t.map(|v| self.point(v))))),
+            size,
+        )
     }
 
     /// Cuts the treated polygons into triangles and enters all treated triangles.
@@ -136,20 +177,6 @@ impl Workpiece {
             }
         }
         largest.1
-    }
-
-    /// New triangulations of the planar facets beside treated ones.
-    fn retriangulate(&mut self) -> Outcome<()> {
-        let mut failed = Vec::new();
-        let flat: Vec<FacetId> = self.brep.topology.facets().filter(|&f| !self.is_treated(f)).collect();
-        for facet in flat {
-            if self.brep.topology.triangle(facet).is_none() && self.brep.retriangulate(facet).is_err() {
-                let corner = self.brep.triangles(facet).next().map_or(Vec3::zeros(), |t| self.point(t[0]));
-                let message = format!("planar facet {} is not simple after remeshing", facet.index());
-                failed.push(Diagnostic::internal("remesh-polygon", message).near(corner));
-            }
-        }
-        if failed.is_empty() { Ok(()) } else { Err(failed) }
     }
 }
 

@@ -90,6 +90,7 @@ impl Workpiece {
             self.sizes.resize(vertex.index() + 1, f64::INFINITY);
         }
         self.places[vertex.index()] = place;
+        self.mark(&touched.facets);
         self.sizes[vertex.index()] = 0.5 * (self.sizes[ends[0].index()] + self.sizes[ends[1].index()]);
         Some(touched)
     }
@@ -155,6 +156,7 @@ impl Workpiece {
             self.lone_edges.insert(sorted([plan.kept, beyond]), c);
         }
         let touched = self.brep.collapse(plan);
+        self.mark(&touched.facets);
         for f in &touched.removed_facets {
             self.is_treated[f.index()] = false;
         }
@@ -185,6 +187,7 @@ impl Workpiece {
         }
         let touched = self.brep.swap(plan);
         self.register(&touched.facets, sense);
+        self.mark(&touched.facets);
         touched
     }
 }
@@ -197,7 +200,7 @@ impl Workpiece {
         // Shapes first: they cost a tenth of a look at the supports.
         for &facet in star {
             let [a, b, c] = moved(facet)?;
-            if sharpest_cosine([&a, &b, &c]) > limit {
+            if sharpest_cosine([&a, &b, &c], self.obtuse) > limit {
                 return None;
             }
         }
@@ -234,5 +237,7 @@ impl Workpiece {
     /// Moves a vertex.
     pub fn relocate(&mut self, vertex: VertexId, to: Vec3) {
         self.brep.vertices[vertex].point = to;
+        let star = self.star(vertex);
+        self.mark(&star);
     }
 }

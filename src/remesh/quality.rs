@@ -2,30 +2,33 @@
 
 use crate::geom::Vec3;
 
-/// Cosine of the smallest angle of a triangle: smaller is better, 0.5 is equilateral, 1 is degenerate.
+/// What an angle of 90 degrees counts as, when obtuse angles count: a smallest angle of 42 degrees, about what polishing aims at.
+const OBTUSE_BASE: f64 = 0.74;
+
+/// Shape of a triangle as the cosine of its smallest angle: smaller is better, 0.5 is equilateral, 1 is degenerate.
 ///
+/// With an `obtuse` weight, an angle over 90 degrees counts as a small one: then the larger of that cosine and
+/// `OBTUSE_BASE - obtuse * cosine of the largest angle` is given.
 /// Angles are compared by their cosines, so that no comparison needs trigonometry.
-pub fn sharpest_cosine([a, b, c]: [&Vec3; 3]) -> f64 {
-    let (u, v, w) = (b - a, c - b, a - c);
-    let (uu, vv, ww) = (u.norm_squared(), v.norm_squared(), w.norm_squared());
-    // The smallest angle is opposite to the shortest edge.
-    let (short, x, y) = if uu <= vv && uu <= ww {
-        (uu, vv, ww)
-    } else if vv <= ww {
-        (vv, uu, ww)
-    } else {
-        (ww, uu, vv)
-    };
-    if short == 0.0 { 1.0 } else { (x + y - short) * 0.5 / (x * y).sqrt() }
+pub fn sharpest_cosine([a, b, c]: [&Vec3; 3], obtuse: f64) -> f64 {
+    let mut squares = [(b - a).norm_squared(), (c - b).norm_squared(), (a - c).norm_squared()];
+    squares.sort_unstable_by(f64::total_cmp);
+    // The smallest angle is opposite to the shortest edge, the largest to the longest.
+    let [short, middle, long] = squares;
+    if short == 0.0 {
+        return 1.0;
+    }
+    let least = (middle + long - short) * 0.5 / (middle * long).sqrt();
+    if obtuse == 0.0 {
+        return least;
+    }
+    let greatest = (short + middle - long) * 0.5 / (short * middle).sqrt();
+    least.max(OBTUSE_BASE - obtuse * greatest)
 }
 
 /// Cosine of an angle given in degrees.
 pub fn cosine_of_degrees(degrees: f64) -> f64 {
     libm::cos(degrees.to_radians())
-}
-
-pub fn tune(name: &str, default: f64) -> f64 {
-    std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default)
 }
 
 #[cfg(test)]
@@ -35,10 +38,10 @@ mod tests {
     #[test]
     fn known_triangles() {
         let (o, x, y) = (Vec3::zeros(), Vec3::x(), Vec3::y());
-        assert!((sharpest_cosine([&o, &x, &y]) - 0.5f64.sqrt()).abs() < 1e-15);
+        assert!((sharpest_cosine([&o, &x, &y], 0.0) - 0.5f64.sqrt()).abs() < 1e-15);
         let top = Vec3::new(0.5, 0.75f64.sqrt(), 0.0);
-        assert!((sharpest_cosine([&o, &x, &top]) - 0.5).abs() < 1e-15);
-        assert_eq!(sharpest_cosine([&o, &o, &x]), 1.0);
+        assert!((sharpest_cosine([&o, &x, &top], 0.0) - 0.5).abs() < 1e-15);
+        assert_eq!(sharpest_cosine([&o, &o, &x], 0.0), 1.0);
         assert!((cosine_of_degrees(60.0) - 0.5).abs() < 1e-15);
     }
 }

@@ -6,8 +6,7 @@ use super::workpiece::{Place, Workpiece};
 use crate::geom::Vec3;
 use crate::ids::{Id, VertexId};
 use crate::patch::curve::project_on_all;
-use crate::patch::support::any_normal_to;
-use crate::primitive::solid::Freedom;
+use crate::patch::support::{Support, any_normal_to};
 
 /// What a vertex is to move towards.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -26,8 +25,13 @@ const FINE: f64 = 38.0;
 /// A vertex that goes home may squeeze triangles to this; later passes repair them.
 const SQUEEZED: f64 = 5.0;
 
+/// A corner nearer to its surfaces than this share of the allowed deviation stays where it is.
+const AT_HOME: f64 = 1e-6;
+/// Volume of three unit normals (sine for two) above which their surfaces meet in a point (a curve).
+const INDEPENDENT: f64 = 0.05;
+
 /// Steps of the pattern search for the best place.
-const SEARCH_STEPS: usize = 12;
+const SEARCH_STEPS: usize = 9;
 
 impl Workpiece {
     /// Moves a vertex towards its aim as far as that is legal; whether it moved.
@@ -57,21 +61,28 @@ impl Workpiece {
         false
     }
 
-    /// Where a vertex ought to be; `None` if it may not move. Corners made by an intersection of facets belong where all of
-    /// their surfaces meet.
+    /// Where a vertex ought to be; `None` if it may not move. Corners made by an intersection of facets, off the
+    /// true surfaces, belong where all of these meet.
     fn true_place(&self, vertex: VertexId) -> Option<Vec3> {
         let point = self.point(vertex);
         if self.is_movable(vertex) {
             return Some(self.home(vertex, &point));
         }
-        if self.brep.vertices[vertex].freedom != Freedom::Intersection || self.is_held(vertex) {
+        if self.is_held(vertex) {
             return None;
         }
-        let mut supports = Vec::new();
+        let (mut supports, mut is_home) = (Vec::new(), true);
         for facet in self.brep.topology.facets_at(vertex) {
             let support = self.support_or_plane(facet)?;
-            let normal = support.closest(&point).normal;
-            supports.push((support, normal));
+            if matches!(*support, Support::Fitted(_)) {
+                return None;
+            }
+            let foot = support.closest(&point);
+            is_home &= (foot.point - point).norm() <= AT_HOME * self.bound.at(&foot);
+            supports.push((support, foot.normal));
+        }
+        if is_home {
+            return None;
         }
         let mut independent: Vec<(std::sync::Arc<_>, Vec3)> = Vec::new();
         for (support, normal) in supports {
@@ -81,7 +92,7 @@ impl Workpiece {
                 [(_, a), (_, b)] => normal.dot(&a.cross(b)).abs(),
                 _ => 0.0,
             };
-            if rest > 0.05 {
+            if rest > INDEPENDENT {
                 independent.push((support, normal));
             }
         }

@@ -15,6 +15,9 @@ use std::collections::BinaryHeap;
 const LONG: f64 = 1.4;
 const SHORT: f64 = 0.7;
 
+/// How much longer than before an edge that is too long already may get by a collapse beside it.
+const STRETCH: f64 = 1.1;
+
 /// Rounds of split, collapse, swap and relocate; shape and size hardly change after four.
 const ROUNDS: usize = 5;
 
@@ -28,6 +31,14 @@ const THIN_KEEPS: f64 = 40.0;
 const LOOSE: f64 = 1.5;
 /// Least drop of such a deviation for which an edge is swapped.
 const LEAST_DROP: f64 = 0.05;
+
+/// Thinning out collapses edges below this many wanted lengths as long as none above that arises; so often at most.
+const THIN_BELOW: f64 = 1.1;
+const THIN_LONGEST: f64 = 1.5;
+const THIN_ROUNDS: usize = 3;
+
+/// Weight of obtuse angles in all polishing but the last: TetGen cuts edges that see an obtuse angle.
+const OBTUSE: f64 = 0.25;
 
 /// Operations per edge at most in one pass: passes end long before, this bounds them on any input.
 const BUDGET_PER_EDGE: usize = 20;
@@ -50,55 +61,34 @@ impl<I: Id> Queue<I> {
 impl Workpiece {
     /// The whole remeshing of the treated facets.
     pub fn run(&mut self, limits: &Limits) {
-        let start = std::time::Instant::now();
-        let say = |me: &Self, what: &str| {
-            if std::env::var("SAY").is_ok() {
-                let facets: Vec<FacetId> = me.brep.topology.facets().filter(|&f| me.is_treated(f)).collect();
-                let worst = me.worst(&facets);
-                let poor = facets.iter().filter(|&&f| me.measure_facet(f).cosine > cosine_of_degrees(40.0)).count();
-                let over = facets.iter().filter(|&&f| me.measure_facet(f).excess > 1.0 + 1e-9).count();
-                let ms = start.elapsed().as_millis();
-                let angle = libm::acos(worst.cosine).to_degrees();
-                eprintln!(
-                    "{ms:6} ms {what:10} {} facets, {angle:.1} deg, {poor} poor, {over} over, excess {:.2}, flipped {}",
-                    facets.len(),
-                    worst.excess,
-                    worst.is_flipped
-                );
-            }
-        };
         self.settle();
-        say(self, "settle");
         for round in 0..ROUNDS {
             self.renew_sizes(limits);
+            // Curves first: what lies between them adapts, and needles that still span a strip do not hold its rims.
+            self.collapse_short(Reach::Curves);
             self.split_long(limits);
-            say(self, "split");
-            self.collapse_short();
-            say(self, "collapse");
+            self.collapse_short(Reach::All);
             self.settle();
-            say(self, "settle");
             let edges = self.active_edges();
             self.swap_all(&edges);
             self.smooth();
             if round + 1 == ROUNDS {
                 self.smooth();
             }
-            say(self, "smooth");
         }
+        self.obtuse = OBTUSE;
         self.polish();
-        say(self, "polish");
-        for _ in 0..super::quality::tune("THINS", 3.0) as usize {
+        for _ in 0..THIN_ROUNDS {
             self.thin_out();
-            say(self, "thin");
             self.polish();
-            say(self, "polish");
             if self.split_deviating() == 0 {
                 break;
             }
-            say(self, "deviating");
             self.polish();
-            say(self, "polish");
         }
+        self.obtuse = 0.0;
+        self.changed.clear();
+        self.polish();
     }
 
     pub fn active_edges(&self) -> Vec<EdgeId> {
@@ -195,31 +185,32 @@ impl Workpiece {
     }
 
     /// Collapses edges that are too short, shortest first.
-    fn collapse_short(&mut self) {
+    fn collapse_short(&mut self, reach: Reach) {
         let rough = cosine_of_degrees(ROUGH);
-        self.collapse_while(SHORT, LONG, |effect| {
+        self.collapse_while(SHORT, LONG, reach, |effect, is_inner| {
+            let allowed = if is_inner { LOOSE } else { 1.0 };
             !effect.after.is_flipped
-                && effect.after.excess <= effect.before.excess.max(LOOSE)
+                && effect.after.excess <= effect.before.excess.max(allowed)
                 && effect.after.cosine <= effect.before.cosine.max(rough)
         });
     }
 
     /// Collapses edges, shortest first, as long as shape and deviation stay good: no more triangles than needed.
     fn thin_out(&mut self) {
-        let keep = cosine_of_degrees(super::quality::tune("KEEP", THIN_KEEPS));
-        self.collapse_while(super::quality::tune("TB", 1.1), super::quality::tune("TL", 1.5), |effect| {
+        let keep = cosine_of_degrees(THIN_KEEPS);
+        self.collapse_while(THIN_BELOW, THIN_LONGEST, Reach::All, |effect, _| {
             effect.is_legal() && effect.after.excess <= 1.0 && effect.after.cosine <= keep
         });
     }
 
     /// Collapses edges shorter than `below` wanted lengths, unless an edge longer than `longest` would arise.
-    fn collapse_while(&mut self, below: f64, longest: f64, accept: impl Fn(&Effect) -> bool) {
+    fn collapse_while(&mut self, below: f64, longest: f64, reach: Reach, accept: impl Fn(&Effect, bool) -> bool) {
         let mut queue = Queue::new();
         let edges = self.active_edges();
         let mut budget = BUDGET_PER_EDGE * edges.len() + 100;
         let enqueue = |me: &Self, queue: &mut Queue<EdgeId>, e: EdgeId| {
             let length = me.relative_length(e);
-            if length < below && me.is_active(e) {
+            if length < below && me.is_active(e) && (reach == Reach::All || me.brep.is_feature(e)) {
                 queue.push(e, below - length);
             }
         };
@@ -233,7 +224,8 @@ impl Workpiece {
             }
             budget -= 1;
             let [a, b] = self.brep.topology.ends(edge);
-            let plans = [a, b].map(|gone| self.plan_collapse(edge, gone).filter(|p| accept(&p.1)));
+            let is_inner = |v| matches!(self.place(v), Place::Surface(_));
+            let plans = [a, b].map(|gone| self.plan_collapse(edge, gone).filter(|p| accept(&p.1, is_inner(gone))));
             let best = plans.into_iter().flatten().min_by(|p, q| p.1.after.cosine.total_cmp(&q.1.after.cosine));
             let Some((plan, _)) = best else { continue };
             if self.would_stretch(plan.gone, plan.kept, longest) {
@@ -252,7 +244,7 @@ impl Workpiece {
         self.brep.topology.neighbours(gone).filter(|&n| n != kept).any(|n| {
             let size = 0.5 * (self.sizes[n.index()] + self.sizes[kept.index()]);
             let length = (self.point(n) - to).norm();
-            length > longest * size && length > (self.point(n) - from).norm()
+            length > longest * size && length > STRETCH * (self.point(n) - from).norm()
         })
     }
 
@@ -277,11 +269,17 @@ impl Workpiece {
         let facets: Vec<FacetId> = self.brep.topology.facets().filter(|&f| self.is_treated(f)).collect();
         let mut budget = BUDGET_PER_EDGE * facets.len() + 100;
         for f in facets {
-            self.enqueue_poor(&mut queue, f, goal);
+            let is_new = self.corners(f).is_some_and(|t| t.iter().any(|v| self.is_changed(*v)));
+            if is_new {
+                self.enqueue_poor(&mut queue, f, goal);
+            }
         }
+        // Ids beyond the end count as changed: vertices that are made from here on.
+        self.changed = vec![false; self.brep.topology.bounds()[0]];
         while let Some((facet, key)) = queue.pop() {
-            let is_stale =
-                !self.brep.topology.has_facet(facet) || !self.is_treated(facet) || self.measure_facet(facet).cosine != key;
+            let is_stale = !self.brep.topology.has_facet(facet)
+                || !self.is_treated(facet)
+                || self.measure_facet(facet).cosine != key;
             if is_stale || budget == 0 {
                 continue;
             }
@@ -328,7 +326,7 @@ impl Workpiece {
             }
         }
         match best {
-            None => Vec::new(),
+            None => self.try_split(facet),
             Some((_, Mend::Swap(plan))) => self.swap(&plan).facets,
             Some((_, Mend::Collapse(plan))) => self.collapse(&plan).facets,
             Some((_, Mend::Move(vertex, to))) => {
@@ -336,6 +334,31 @@ impl Workpiece {
                 self.star(vertex)
             }
         }
+    }
+
+    /// Splits the longest edge of a triangle if the new vertex finds a place where all triangles around are better than those
+    /// before; else takes the split back.
+    fn try_split(&mut self, facet: FacetId) -> Vec<FacetId> {
+        let longest = self.edges_of(&[facet]).into_iter().max_by(|&a, &b| self.length(a).total_cmp(&self.length(b)));
+        let Some(edge) = longest.filter(|&e| self.relative_length(e) > SHORT) else { return Vec::new() };
+        let ends = self.brep.topology.ends(edge);
+        let around: Vec<FacetId> = self.brep.topology.facets_around(edge).filter(|&f| self.is_treated(f)).collect();
+        let before = self.worst(&around);
+        let Some(vertex) = self.split(edge).and_then(|t| t.vertex) else { return Vec::new() };
+        let place = self.best_place(vertex);
+        let star = self.star(vertex);
+        let after = place.as_ref().map_or_else(|| self.worst_at(vertex, &star), |p| p.1.after);
+        if (Effect { before, after }).is_better() {
+            if let Some((to, _)) = place {
+                self.relocate(vertex, to);
+            }
+            return star;
+        }
+        let back = self.brep.topology.edge_between(vertex, ends[1]);
+        if let Some((plan, _)) = back.and_then(|e| self.plan_collapse(e, vertex)) {
+            self.collapse(&plan);
+        }
+        Vec::new()
     }
 
     /// Splits edges that are further from their curve or surface than allowed; how many.
@@ -362,7 +385,7 @@ impl Workpiece {
         let facet = self.brep.topology.facets_around(edge).find(|&f| self.is_treated(f));
         facet.and_then(|f| self.support(f)).map_or(0.0, |s| {
             let foot = s.closest(&middle);
-            (foot.point - middle).norm() / self.bound.at(&foot)
+            (foot.point - middle).norm() / (self.bound.at(&foot) * facet.map_or(1.0, |f| self.share(f)))
         })
     }
 
@@ -370,6 +393,13 @@ impl Workpiece {
     pub fn is_movable(&self, vertex: VertexId) -> bool {
         self.place(vertex) != Place::Corner
     }
+}
+
+/// Which edges are collapsed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Reach {
+    Curves,
+    All,
 }
 
 /// How a triangle can be mended.

@@ -72,7 +72,7 @@ fn quality(complex: &Complex) -> (f64, f64, usize) {
     for f in complex.facets.iter().filter(|f| f.surface == SurfaceId(0)) {
         assert_eq!((f.loops.len(), f.loops[0].len()), (1, 3));
         let t = [0, 1, 2].map(|k| &complex.vertices[f.loops[0][k]].point);
-        angles.push(libm::acos(sharpest_cosine(t)).to_degrees());
+        angles.push(libm::acos(sharpest_cosine(t, 0.0)).to_degrees());
     }
     let least = angles.iter().copied().fold(90.0, f64::min);
     (least, angles.iter().filter(|&&a| a > 40.0).count() as f64 / angles.len() as f64, angles.len())

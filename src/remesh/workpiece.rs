@@ -72,6 +72,12 @@ pub(super) struct Workpiece {
     /// By vertex: wanted edge length.
     pub sizes: Vec<f64>,
     pub bound: Bound,
+    /// How much obtuse triangles count as sharp ones.
+    pub obtuse: f64,
+    /// By surface: share of the bound that it may use; less where facets came too near to others.
+    pub shares: Vec<f64>,
+    /// By vertex: whether anything around it changed since it was last polished; all true if too short.
+    pub changed: Vec<bool>,
 }
 
 impl Workpiece {
@@ -125,7 +131,7 @@ impl Workpiece {
     /// Measures the triangle of a facet with other corner positions.
     pub fn measure(&self, facet: FacetId, corners: [Vec3; 3]) -> Measure {
         let [a, b, c] = corners;
-        let cosine = sharpest_cosine([&a, &b, &c]);
+        let cosine = sharpest_cosine([&a, &b, &c], self.obtuse);
         let Some(support) = self.support(facet) else {
             return Measure { cosine, excess: 0.0, is_flipped: false };
         };
@@ -133,7 +139,7 @@ impl Workpiece {
         let center = (a + b + c) / 3.0;
         let foot = support.closest(&center);
         let is_flipped = normal.dot(&foot.normal) <= FLIPPED_COSINE * normal.norm();
-        let allowed = self.bound.at(&foot);
+        let allowed = self.bound.at(&foot) * self.share(facet);
         let middle = |p: &Vec3, q: &Vec3| support.distance(&((p + q) * 0.5));
         let deviation = (foot.point - center).norm().max(middle(&a, &b)).max(middle(&b, &c)).max(middle(&c, &a));
         Measure { cosine, excess: deviation / allowed, is_flipped }
@@ -190,6 +196,27 @@ impl Workpiece {
             Place::Corner => self.point(vertex),
             Place::Curve(c) => self.curves[c].closest(point).map_or(*point, |f| f.point),
             Place::Surface(s) => self.supports[s].as_ref().map_or(*point, |s| s.closest(point).point),
+        }
+    }
+
+    /// Share of the bound that the surface of a facet may use.
+    pub fn share(&self, facet: FacetId) -> f64 {
+        self.shares[self.brep.facets[facet].surface.index()]
+    }
+
+    /// Whether anything around a vertex changed since the last polish.
+    pub fn is_changed(&self, vertex: VertexId) -> bool {
+        self.changed.get(vertex.index()).copied().unwrap_or(true)
+    }
+
+    /// Marks the corners of facets as changed.
+    pub fn mark(&mut self, facets: &[FacetId]) {
+        for &facet in facets {
+            for vertex in self.corners(facet).into_iter().flatten() {
+                if let Some(flag) = self.changed.get_mut(vertex.index()) {
+                    *flag = true;
+                }
+            }
         }
     }
 
