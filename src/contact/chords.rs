@@ -3,10 +3,15 @@
 //! Everything prismatic along one axis crosses so: where the outlines of two prisms cross on their caps, the points are common,
 //! and the walls below cross along the line from cap to cap. Without an edge there by identity, the exact stage would intersect
 //! two walls whose rims are bent in the last digit, and find a line that wiggles about the true one.
+//!
+//! [`join_walls`] does it for walls that came in several facets, [`find`] for facets.
 
 use super::body::Body;
-use super::edges::Lists;
+use super::crossings::{across, cross};
+use super::edges::EdgeSet;
 use super::outline::Outline;
+use super::walls::Walls;
+use crate::geom::Vec3;
 
 /// Sine of the angle between facets from which they count as crossing: below, the place of their common line within the
 /// tolerance of both is arbitrary.
@@ -27,71 +32,102 @@ pub(super) struct Chord {
 ///
 /// O(n log n) in the pairs of facets that share a point.
 pub(super) fn find(body: &Body, outlines: &[Outline], sheet_of: &[u32], inside: &[(u32, u32)]) -> Vec<Chord> {
-    let at = facets_at_points(body, outlines, inside);
-    let may_hold = may_hold_chord(outlines, inside);
-    let mut common: Vec<([u32; 2], u32)> = Vec::new();
-    for point in 0..body.points.len() as u32 {
-        let facets = at.of(point);
-        for (k, &f) in facets.iter().enumerate().filter(|f| may_hold[*f.1 as usize]) {
-            let [leaf, sheet] = [body.leaf_of_facet[outlines[f as usize].facet as usize], sheet_of[f as usize]];
-            for &g in facets[k + 1..].iter().filter(|g| may_hold[**g as usize]) {
-                if sheet != sheet_of[g as usize]
-                    && leaf != body.leaf_of_facet[outlines[g as usize].facet as usize]
-                    && outlines[f as usize].normal.cross(&outlines[g as usize].normal).norm() > CROSSING_SINE
-                {
-                    common.push(([f, g], point));
-                }
+    let mut may_hold: Vec<bool> = outlines.iter().map(|o| o.corners().len() >= CHORD_CORNERS).collect();
+    inside.iter().for_each(|i| may_hold[i.0 as usize] = true);
+    let corners = outlines.iter().zip(0..).filter(|o| may_hold[o.1 as usize]);
+    let mut uses: Vec<(u32, u32)> = corners.flat_map(|(o, slot)| o.corners().iter().map(move |&v| (v, slot))).collect();
+    uses.extend(inside.iter().map(|&(slot, v)| (v, slot)));
+    let leaf_of = |slot: u32| body.leaf_of_facet[outlines[slot as usize].facet as usize];
+    let may_cross = |f: u32, g: u32| {
+        sheet_of[f as usize] != sheet_of[g as usize] && are_crossing(&outlines[f as usize].normal, &outlines[g as usize].normal)
+    };
+    let mut chords = Vec::new();
+    let common = common_points(body.points.len(), uses, leaf_of, may_cross);
+    for pair in common.chunk_by(|a, b| a.0 == b.0) {
+        let facets = pair[0].0;
+        let [f, g] = facets.map(|slot| &outlines[slot as usize]);
+        let tolerance = body.tolerance(leaf_of(facets[0]), leaf_of(facets[1]));
+        for ends in pieces(pair, &f.normal.cross(&g.normal), &body.points) {
+            if [f, g].iter().all(|o| o.is_chord(ends, tolerance, &body.points)) {
+                chords.push(Chord { facets, ends });
             }
         }
-    }
-    common.sort_unstable();
-    let mut chords = Vec::new();
-    for pair in common.chunk_by(|a, b| a.0 == b.0).filter(|pair| pair.len() > 1) {
-        chords_of_pair(body, outlines, pair, &mut chords);
     }
     chords
 }
 
-/// For every point in several leaves, the slots of the facets that it is on, ascending.
-fn facets_at_points(body: &Body, outlines: &[Outline], inside: &[(u32, u32)]) -> Lists {
-    const SEVERAL: u32 = u32::MAX - 1;
-    let mut leaf_of = vec![u32::MAX; body.points.len()];
-    let all = || {
-        let corners = outlines.iter().zip(0..).flat_map(|(o, slot)| o.corners().iter().map(move |&v| (v, slot)));
-        corners.chain(inside.iter().map(|&(slot, v)| (v, slot)))
-    };
-    for (v, slot) in all() {
-        let leaf = body.leaf_of_facet[outlines[slot as usize].facet as usize];
-        let known = &mut leaf_of[v as usize];
-        *known = if *known == u32::MAX || *known == leaf { leaf } else { SEVERAL };
+/// Where walls cross between common points, the edges that divide them get common points too, so that [`find`] can join them.
+pub(super) fn join_walls(body: &mut Body, set: &mut EdgeSet) {
+    let walls = Walls::new(body, set);
+    if walls.is_empty() {
+        return;
     }
-    let mut uses: Vec<(u32, u32)> = all().filter(|u| leaf_of[u.0 as usize] == SEVERAL).collect();
-    uses.sort_unstable();
-    uses.dedup();
-    Lists::new(body.points.len(), &uses)
-}
-
-/// Whether each facet has two points that no side joins.
-fn may_hold_chord(outlines: &[Outline], inside: &[(u32, u32)]) -> Vec<bool> {
-    let mut may_hold: Vec<bool> = outlines.iter().map(|o| o.corners().len() >= CHORD_CORNERS).collect();
-    inside.iter().for_each(|i| may_hold[i.0 as usize] = true);
-    may_hold
-}
-
-/// The pieces between the common points of two facets, which are in order of their numbers.
-fn chords_of_pair(body: &Body, outlines: &[Outline], pair: &[([u32; 2], u32)], chords: &mut Vec<Chord>) {
-    let facets = pair[0].0;
-    let [f, g] = facets.map(|slot| &outlines[slot as usize]);
-    let tolerance = body.tolerance(body.leaf_of_facet[f.facet as usize], body.leaf_of_facet[g.facet as usize]);
-    let line = f.normal.cross(&g.normal).normalize();
-    let at = |v: u32| body.points[v as usize];
-    let mut along: Vec<(f64, u32)> = pair.iter().map(|p| ((at(p.1) - at(pair[0].1)).dot(&line), p.1)).collect();
-    along.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    for step in along.windows(2) {
-        let ends = [step[0].1.min(step[1].1), step[0].1.max(step[1].1)];
-        let length = (at(ends[1]) - at(ends[0])).norm();
-        if step[1].0 - step[0].0 > ALONG * length && [f, g].iter().all(|o| o.is_chord(ends, tolerance, &body.points)) {
-            chords.push(Chord { facets, ends });
+    let leaf_of = |wall: u32| body.leaf_of_facet[wall as usize];
+    let may_cross =
+        |f: u32, g: u32| (walls.is_divided(f) || walls.is_divided(g)) && are_crossing(&walls.normal(f), &walls.normal(g));
+    let common = common_points(body.points.len(), walls.points(set), leaf_of, may_cross);
+    for pair in common.chunk_by(|a, b| a.0 == b.0) {
+        let [f, g] = pair[0].0;
+        let tolerance = body.tolerance(body.leaf_of_facet[f as usize], body.leaf_of_facet[g as usize]);
+        for ends in pieces(pair, &walls.normal(f).cross(&walls.normal(g)), &body.points) {
+            let chord = ends.map(|v| body.points[v as usize]);
+            let middle = (chord[0] + chord[1]) * 0.5;
+            if !walls.enclose(f, &middle, body) || !walls.enclose(g, &middle, body) {
+                continue;
+            }
+            for &edge in walls.divisions(f).iter().chain(walls.divisions(g)) {
+                let line = set.ends(edge, &body.points);
+                if let Some(x) = across(&line, &chord, tolerance) {
+                    cross(body, set, &[edge], &[line, chord], tolerance, x);
+                }
+            }
         }
     }
+    set.sort();
+}
+
+fn are_crossing(a: &Vec3, b: &Vec3) -> bool {
+    a.cross(b).norm_squared() > CROSSING_SINE * CROSSING_SINE
+}
+
+/// The common points of pairs that have at least two, sorted, from what each point is on: (point, facet).
+fn common_points(
+    count: usize,
+    uses: Vec<(u32, u32)>,
+    leaf_of: impl Fn(u32) -> u32,
+    may_cross: impl Fn(u32, u32) -> bool,
+) -> Vec<([u32; 2], u32)> {
+    // A point of one leaf is common to nothing.
+    const SEVERAL: u32 = u32::MAX - 1;
+    let mut leaves = vec![u32::MAX; count];
+    for &(v, facet) in &uses {
+        let (leaf, known) = (leaf_of(facet), &mut leaves[v as usize]);
+        *known = if *known == u32::MAX || *known == leaf { leaf } else { SEVERAL };
+    }
+    let mut uses = uses;
+    uses.retain(|u| leaves[u.0 as usize] == SEVERAL);
+    uses.sort_unstable();
+    uses.dedup();
+    let mut common: Vec<([u32; 2], u32)> = Vec::new();
+    for at in uses.chunk_by(|a, b| a.0 == b.0) {
+        for (k, &(point, f)) in at.iter().enumerate() {
+            let others = at[k + 1..].iter().map(|u| u.1);
+            let crossing = others.filter(|&g| leaf_of(f) != leaf_of(g) && may_cross(f, g));
+            common.extend(crossing.map(|g| ([f, g], point)));
+        }
+    }
+    common.sort_unstable();
+    common
+}
+
+/// The pieces between the common points of two facets that cross along `line`, lower point first.
+fn pieces(pair: &[([u32; 2], u32)], line: &Vec3, points: &[Vec3]) -> Vec<[u32; 2]> {
+    if pair.len() < 2 {
+        return Vec::new();
+    }
+    let (at, line) = (|v: u32| points[v as usize], line.normalize());
+    let mut along: Vec<(f64, u32)> = pair.iter().map(|p| ((at(p.1) - at(pair[0].1)).dot(&line), p.1)).collect();
+    along.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let is_along = |s: &&[(f64, u32)]| s[1].0 - s[0].0 > ALONG * (at(s[1].1) - at(s[0].1)).norm();
+    along.windows(2).filter(is_along).map(|s| [s[0].1.min(s[1].1), s[0].1.max(s[1].1)]).collect()
 }

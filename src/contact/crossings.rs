@@ -45,7 +45,8 @@ pub(super) fn connect(body: &mut Body, set: &mut EdgeSet, pairs: &[[u32; 2]], na
     }
     for meeting in &meetings {
         if let Touch::Across(x) = meeting.touch {
-            cross(body, set, meeting, x);
+            let lines = meeting.edges.map(|e| set.ends(e, &body.points));
+            cross(body, set, &meeting.edges, &lines, meeting.tolerance, x);
         }
     }
     set.sort();
@@ -163,36 +164,47 @@ fn meet(body: &Body, set: &EdgeSet, edges: [u32; 2], tolerance: f64) -> Option<M
         return Some(Meeting { edges, tolerance, windows: [window(&p, &x), window(&q, &x)], touch: Touch::Ends(ends) });
     }
     // Two straight edges with a common end do not cross elsewhere.
-    if area == 0.0 || ids[0].iter().any(|v| ids[1].contains(v)) {
+    if ids[0].iter().any(|v| ids[1].contains(v)) {
         return None;
     }
-    let x = p[0] + d * (between.cross(&e).dot(&normal) / (area * area));
-    inside_of(&p, &x, tolerance)?;
-    inside_of(&q, &x, tolerance)?;
+    let x = across(&p, &q, tolerance)?;
     Some(Meeting { edges, tolerance, windows: [window(&p, &x), window(&q, &x)], touch: Touch::Across(x) })
 }
 
-/// Gives two crossing edges a common point: one that is there already within the tolerance, else a new one on the earlier edge.
-fn cross(body: &mut Body, set: &mut EdgeSet, meeting: &Meeting, x: Vec3) {
-    let [e, f] = meeting.edges;
-    let [p, q] = meeting.edges.map(|e| set.ends(e, &body.points));
+/// Where the insides of two segments come within the tolerance of each other, on the first.
+pub(super) fn across(p: &[Vec3; 2], q: &[Vec3; 2], tolerance: f64) -> Option<Vec3> {
+    let (d, e) = (p[1] - p[0], q[1] - q[0]);
+    let normal = d.cross(&e);
+    let x = p[0] + d * ((q[0] - p[0]).cross(&e).dot(&normal) / normal.norm_squared());
+    inside_of(p, &x, tolerance)?;
+    inside_of(q, &x, tolerance)?;
+    Some(x)
+}
+
+/// Gives edges that cross `x`, on the first of the lines, a common point: one that is there already within the tolerance of all
+/// lines, else a new one. The first lines are those of the edges.
+pub(super) fn cross(body: &mut Body, set: &mut EdgeSet, edges: &[u32], lines: &[[Vec3; 2]], tolerance: f64, x: Vec3) {
     let mut nearest: Option<(f64, u32)> = None;
-    body.grid.near(&x, meeting.tolerance, |entry, distance| {
+    body.grid.near(&x, tolerance, |entry, distance| {
         let better = nearest.is_none_or(|(d, v)| (distance, entry.point) < (d, v));
         let is_itself = body.points[entry.point as usize] == entry.position;
-        let fits = |line, edge| onto_line(line, &entry.position).1 <= meeting.tolerance && set.can_insert(edge, entry.point);
-        if better && is_itself && fits(&p, e) && fits(&q, f) {
+        if better
+            && is_itself
+            && lines.iter().all(|line| onto_line(line, &entry.position).1 <= tolerance)
+            && edges.iter().all(|&edge| set.can_insert(edge, entry.point))
+        {
             nearest = Some((distance, entry.point));
         }
     });
     let point = nearest.map_or(body.points.len() as u32, |n| n.1);
     if nearest.is_none() {
         body.points.push(x);
-        body.grid.add(x, point, meeting.tolerance);
+        body.grid.add(x, point, tolerance);
     }
     let place = body.points[point as usize];
-    set.insert(e, onto_line(&p, &place).0, point);
-    set.insert(f, onto_line(&q, &place).0, point);
+    for (&edge, line) in edges.iter().zip(lines) {
+        set.insert(edge, onto_line(line, &place).0, point);
+    }
 }
 
 /// Points of one of two edges that belong on the other as well.

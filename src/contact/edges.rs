@@ -28,12 +28,21 @@ pub(super) struct Lists {
 }
 
 impl Lists {
-    /// `count` lists from pairs (list, item), sorted.
+    /// `count` lists from pairs (list, item); each keeps the order of its pairs.
     pub fn new(count: usize, pairs: &[(u32, u32)]) -> Self {
         let mut first = vec![0; count + 1];
         pairs.iter().for_each(|p| first[p.0 as usize + 1] += 1);
         (0..count).for_each(|k| first[k + 1] += first[k]);
-        Self { first, items: pairs.iter().map(|p| p.1).collect() }
+        let (mut next, mut items) = (first.clone(), vec![0; pairs.len()]);
+        for &(list, item) in pairs {
+            items[next[list as usize] as usize] = item;
+            next[list as usize] += 1;
+        }
+        Self { first, items }
+    }
+    /// Whether all lists are empty.
+    pub fn is_empty(&self) -> bool {
+        self.items.is_empty()
     }
     /// One list.
     pub fn of(&self, list: u32) -> &[u32] {
@@ -49,6 +58,8 @@ pub(super) struct EdgeSet {
     pub is_active: Vec<bool>,
     /// For every facet, the edges for which it is the first in its leaf, so that a contact is looked for once.
     pub own: Lists,
+    /// Every use of an edge as (edge, leaf, facet), sorted.
+    pub uses: Vec<(u32, u32, u32)>,
     leaves: Lists,
     number: NumberMap<(u32, u32), u32>,
     places: NumberMap<(u32, u32), Place>,
@@ -63,6 +74,7 @@ impl EdgeSet {
         let mut set = Self {
             edges: Vec::with_capacity(2 * active),
             own: Lists::default(),
+            uses: Vec::new(),
             leaves: Lists::default(),
             number: NumberMap::with_capacity_and_hasher(2 * active, Default::default()),
             places: NumberMap::with_capacity_and_hasher(2 * active, Default::default()),
@@ -86,12 +98,12 @@ impl EdgeSet {
             }
         }
         uses.sort_unstable();
-        uses.dedup_by_key(|u| (u.0, u.1));
-        let by_edge: Vec<(u32, u32)> = uses.iter().map(|u| (u.0, u.1)).collect();
-        let mut by_facet: Vec<(u32, u32)> = uses.iter().map(|u| (u.2, u.0)).collect();
-        by_facet.sort_unstable();
+        let firsts = || uses.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)).map(|same| same[0]);
+        let by_edge: Vec<(u32, u32)> = firsts().map(|u| (u.0, u.1)).collect();
+        let by_facet: Vec<(u32, u32)> = firsts().map(|u| (u.2, u.0)).collect();
         set.leaves = Lists::new(set.edges.len(), &by_edge);
         set.own = Lists::new(body.facet_count(), &by_facet);
+        set.uses = uses;
         set
     }
 

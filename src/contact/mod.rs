@@ -9,7 +9,8 @@
 //! 3. [`crossings`]: edges that come near each other get common points: an end on the other edge, or a new point where they
 //!    cross; repeated until nothing changes. [`edges`] holds them: what is put into an edge enters every facet at it.
 //! 4. [`sheets`]: facets in one plane that overlap form a sheet; edges and points of other facets may lie on it besides.
-//! 5. [`chords`]: facets that cross along a line with common points on it get its pieces as common edges.
+//! 5. [`chords`]: facets that cross along a line with common points on it get its pieces as common edges; so do [`walls`] of
+//!    several facets in one plane.
 //! 6. [`cells`]: each sheet is one constrained triangulation, cut along its edges into cells, each with the facets that cover it.
 //! 7. [`assemble`]: the same cell from two sheets is one cell. [`verify`]: every leaf is still what it was.
 //!
@@ -35,6 +36,7 @@ mod sheets;
 #[cfg(test)]
 mod tests;
 mod verify;
+mod walls;
 mod weld;
 
 pub use gaps::{GAP, Gap, nearly_touching};
@@ -66,6 +68,7 @@ pub fn conform(
     let pairs = candidates::facet_pairs(&body, |a, b| sheets::CHAIN_REACH * body.tolerance(a, b));
     let mut edges = edges::EdgeSet::new(&body, &pairs);
     crossings::connect(&mut body, &mut edges, &pairs, names)?;
+    chords::join_walls(&mut body, &mut edges);
     let sheets = sheets::gather(&body, &mut edges, &pairs, names)?;
     let conforming = assemble::assemble(&body, &sheets, tolerance, names)?;
     verify::verify(&body, &conforming, names)?;
