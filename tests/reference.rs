@@ -74,7 +74,11 @@ fn tetgen(switches: &str, poly: &str, folder: &Path) -> String {
 fn rows(path: &Path) -> Vec<Vec<f64>> {
     let text = fs::read_to_string(path).unwrap();
     let lines = text.lines().map(|l| l.split('#').next().unwrap());
-    lines.map(|l| l.split_whitespace().map(|w| w.parse().unwrap()).collect()).filter(|r: &Vec<f64>| !r.is_empty()).skip(1).collect()
+    lines
+        .map(|l| l.split_whitespace().map(|w| w.parse().unwrap()).collect())
+        .filter(|r: &Vec<f64>| !r.is_empty())
+        .skip(1)
+        .collect()
 }
 
 /// Volume per region of the mesh that TetGen wrote.

@@ -18,7 +18,8 @@ pub struct Contacts {
     pub candidates: u64,
 }
 
-/// Finds all contacts between triangles that have no leaf in common: a leaf is valid in itself.
+/// Finds all contacts between triangles that have no leaf in common, since a leaf is valid in itself, nor a sheet, since contact
+/// has made its cells conform.
 pub fn contacts(mesh: &Mesh) -> Contacts {
     let pairs = candidates(mesh);
     let meet = |&[t, u]: &[u32; 2]| intersect(&mesh.corners(t), &mesh.corners(u)).map(|c| (t, u, c));
@@ -72,7 +73,7 @@ fn candidates(mesh: &Mesh) -> Vec<[u32; 2]> {
         let mut found = Vec::new();
         tree.pairs(other, 0.0, |i, j| {
             let (t, u) = (first[i as usize], second[j as usize]);
-            if !mesh.has_common_leaf(t, u) {
+            if mesh.sheet_of(t) != mesh.sheet_of(u) && !mesh.has_common_leaf(t, u) {
                 found.push([t.min(u), t.max(u)]);
             }
         });

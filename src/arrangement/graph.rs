@@ -51,6 +51,11 @@ impl<'a> Mesh<'a> {
         &self.input.cells[self.input.cell_of_triangle[t as usize] as usize].owners
     }
 
+    /// Sheet of a triangle's cell.
+    pub fn sheet_of(&self, t: u32) -> u32 {
+        self.input.cells[self.input.cell_of_triangle[t as usize] as usize].sheet
+    }
+
     /// First leaf of a triangle.
     pub fn leaf_of(&self, t: u32) -> u32 {
         self.owners(t).first().map_or(u32::MAX, |o| o.leaf.0)

@@ -34,7 +34,8 @@ pub(super) fn assemble(body: &Body, sheets: &Sheets, tolerance: f64, names: Name
         if starts.len() >= PARALLEL_FROM { starts.par_iter().map(draft).collect() } else { starts.iter().map(draft).collect() };
     let mut errors = Vec::new();
     let mut all = Collector::default();
-    for (found, &start) in drafts.into_iter().zip(&starts) {
+    for (mut found, &start) in drafts.into_iter().zip(&starts) {
+        found.iter_mut().flatten().for_each(|d| d.sheet = start);
         match found {
             // What has no contact cannot coincide with anything.
             Ok(list) if sheets.slot[start as usize] == u32::MAX => all.drafts.extend(list),
@@ -128,7 +129,7 @@ fn finish(body: &Body, drafts: Vec<Draft>, tolerance: f64) -> Conforming {
         };
         out.cell_of_triangle.resize(out.triangles.len() + draft.triangles.len(), out.cells.len() as u32);
         out.triangles.extend(&draft.triangles);
-        out.cells.push(Cell { owners: draft.owners.iter().map(owner).collect(), loops: draft.loops });
+        out.cells.push(Cell { owners: draft.owners.iter().map(owner).collect(), loops: draft.loops, sheet: draft.sheet });
     }
     out
 }

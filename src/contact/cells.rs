@@ -14,6 +14,8 @@ type HalfEdge<'a> = DirectedEdgeHandle<'a, Point2<f64>, (), spade::CdtEdge<()>, 
 /// A cell before it is known which other sheets have it too.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Draft {
+    /// Number of the sheet that it is a cell of.
+    pub sheet: u32,
     /// Facets (of the whole scene) and whether they look the other way.
     pub owners: Vec<(u32, bool)>,
     /// Outer loop first, counter-clockwise, then holes.

@@ -29,6 +29,8 @@ pub struct Cell {
     pub owners: Vec<Owner>,
     /// Its boundary: outer loop first, counter-clockwise about its orientation, then holes.
     pub loops: Vec<Vec<u32>>,
+    /// Cells of one sheet are cells of one triangulation: they share vertices and edges and nothing else.
+    pub sheet: u32,
 }
 
 /// A facet that a cell is a piece of.
