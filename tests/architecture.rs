@@ -33,9 +33,11 @@ const OTHERS: [(&str, &[&str]); 8] = [
 ];
 
 /// Single arrows against the flow, with the reason.
-const EXCEPTIONS: [(&str, &str); 1] = [
+const EXCEPTIONS: [(&str, &str); 2] = [
     // Imported surfaces are read where the other formats are.
     ("primitive", "io"),
+    // The evaluator's steps are timed one by one.
+    ("evaluate", "report"),
 ];
 
 fn allowed() -> BTreeMap<&'static str, BTreeSet<&'static str>> {
