@@ -124,6 +124,7 @@ fn modules_use_only_what_comes_before_them() {
 
 #[test]
 fn the_scan_sees_uses_and_skips_comments() {
-    let text = "//! [`crate::plc`]\nuse crate::brep::Complex;\n    crate::declare_ids! { A; }\nlet x = crate::geom::f(crate::io::g);";
+    let text =
+        "//! [`crate::plc`]\nuse crate::brep::Complex;\n    crate::declare_ids! { A; }\nlet x = crate::geom::f(crate::io::g);";
     assert_eq!(used(text).into_iter().collect::<Vec<_>>(), ["brep", "geom", "ids", "io"]);
 }

@@ -39,7 +39,8 @@ fn bad_models_are_refused_with_code_place_and_hint() {
         let is_named = names.iter().flat_map(|line| line.split_whitespace()).all(|name| said.contains(name));
         if run.status.code() != Some(1) || seen != expected || !is_named || !files(&folder).is_empty() {
             let code = run.status.code();
-            failures.push(format!("{}: exit {code:?}, expected {expected:?} {names:?}, found {seen:?}\n  {said}", path.display()));
+            failures
+                .push(format!("{}: exit {code:?}, expected {expected:?} {names:?}, found {seen:?}\n  {said}", path.display()));
         }
     }
     assert!(count >= 7, "only {count} scenes");
