@@ -22,20 +22,23 @@ const WITHOUT_BREP: [&str; 5] = ["scene", "primitive", "contact", "arrangement",
 const OTHERS: [(&str, &[&str]); 8] = [
     // Table of contents of the evaluator and of the whole.
     ("evaluate", &["scene", "primitive", "contact", "arrangement", "classify", "patch", "select", "round", "brep"]),
-    ("pipeline", &["scene", "primitive", "evaluate", "remesh", "patch", "brep", "plc", "io", "report"]),
+    ("pipeline", &["scene", "primitive", "arrangement", "evaluate", "remesh", "patch", "brep", "plc", "io", "report"]),
     // The check of a complex names what it finds by the manifest, which is a file format.
     ("plc", &["scene", "primitive", "brep", "io"]),
     ("io", &["scene", "brep", "plc"]),
     ("tetgen", &["scene", "brep", "plc", "io"]),
-    ("report", &["scene", "brep", "plc", "io", "pipeline", "tetgen"]),
+    // It tells what the arrangement counted.
+    ("report", &["scene", "arrangement", "brep", "plc", "io", "pipeline", "tetgen"]),
     ("cli", &[]),
     ("commands", &["cli", "scene", "brep", "plc", "io", "tetgen", "report", "pipeline"]),
 ];
 
 /// Single arrows against the flow, with the reason.
-const EXCEPTIONS: [(&str, &str); 1] = [
+const EXCEPTIONS: [(&str, &str); 2] = [
     // Imported surfaces are read where the other formats are.
     ("primitive", "io"),
+    // The evaluator's steps are timed one by one.
+    ("evaluate", "report"),
 ];
 
 fn allowed() -> BTreeMap<&'static str, BTreeSet<&'static str>> {
