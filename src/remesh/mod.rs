@@ -136,20 +136,21 @@ impl Workpiece {
         let is_curved = |f: &FacetId| self.supports[self.brep.facets[*f].surface].is_some();
         let is_modified = |f: FacetId| self.brep.facets[f].is_modified;
         // Strips are as long as their side: only the cut ones. Triangles: also those beside cut ones.
-        let is_beside = |f: FacetId| {
-            topology.triangle(f).is_some_and(|t| t.iter().any(|&v| topology.facets_at(v).any(is_modified)))
-        };
+        let is_beside =
+            |f: FacetId| topology.triangle(f).is_some_and(|t| t.iter().any(|&v| topology.facets_at(v).any(is_modified)));
         let is_open = |f: &FacetId| self.share(*f) > 0.0;
-        topology.facets().filter(is_curved).filter(is_open).filter(|&f| mode == RemeshMode::Full || is_modified(f) || is_beside(f)).collect()
+        topology
+            .facets()
+            .filter(is_curved)
+            .filter(is_open)
+            .filter(|&f| mode == RemeshMode::Full || is_modified(f) || is_beside(f))
+            .collect()
     }
 
     /// The default bound (equation 4.1).
     fn present_bound(&self, treated: &[FacetId], size: f64) -> Bound {
         let triangles = treated.iter().filter_map(|&f| self.support(f).map(|s| (f, s)));
-        Bound::of_facets(
-            triangles.flat_map(|(f, s)| self.brep.triangles(f).map(move |t| (s, t.map(|v| self.point(v))))),
-            size,
-        )
+        Bound::of_facets(triangles.flat_map(|(f, s)| self.brep.triangles(f).map(move |t| (s, t.map(|v| self.point(v))))), size)
     }
 
     /// Cuts the treated polygons into triangles and enters all treated triangles.

@@ -284,9 +284,8 @@ impl Workpiece {
         // Ids beyond the end count as changed: vertices that are made from here on.
         self.changed = vec![false; self.brep.topology.bounds()[0]];
         while let Some((facet, key)) = queue.pop() {
-            let is_stale = !self.brep.topology.has_facet(facet)
-                || !self.is_treated(facet)
-                || self.measure_facet(facet).cosine != key;
+            let is_stale =
+                !self.brep.topology.has_facet(facet) || !self.is_treated(facet) || self.measure_facet(facet).cosine != key;
             if is_stale || budget == 0 {
                 continue;
             }

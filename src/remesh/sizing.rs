@@ -174,7 +174,8 @@ impl Workpiece {
         if matches!(self.place(vertex), Place::Surface(_)) {
             return f64::INFINITY;
         }
-        let along = |v: VertexId| topology.edges_at(v).filter(|&e| self.brep.is_feature(e)).map(move |e| topology.other_end(e, v));
+        let along =
+            |v: VertexId| topology.edges_at(v).filter(|&e| self.brep.is_feature(e)).map(move |e| topology.other_end(e, v));
         let is_across = |other: VertexId| {
             let place = self.place(other);
             let is_other = matches!(place, Place::Corner) || matches!(place, Place::Curve(_)) && place != self.place(vertex);
