@@ -176,7 +176,7 @@ fn circle_through(chain: &[Vec3], supports: &[Arc<Support>]) -> Option<Curve> {
     let cross = u.cross(&v);
     let square = cross.norm_squared();
     let offset = (v.cross(&cross) * -u.norm_squared() + u.cross(&cross) * v.norm_squared()) * (-0.5 / square);
-    if !(square > 0.0) || !offset.iter().all(|x| x.is_finite()) {
+    if square <= 0.0 || !offset.iter().all(|x| x.is_finite()) {
         return None;
     }
     // A plane support gives the exact normal and level.

@@ -13,9 +13,9 @@ use crate::geom::Vec3;
 use crate::ids::{FacetId, Id, VertexId};
 use crate::primitive::solid::Freedom;
 
-/// Least gain, in the cosine of the smallest angle (a tenth of a degree), for which an angle is raised: without it, a patch would
+/// Least gain, in the cosine of the smallest angle (a quarter of a degree), for which an angle is raised: without it, a patch would
 /// creep towards its best shape in endless tiny steps.
-const LEAST_GAIN: f64 = 1e-3;
+const LEAST_GAIN: f64 = 3e-3;
 
 /// What an operation would do to quality.
 #[derive(Clone, Copy, PartialEq, Debug)]

@@ -29,6 +29,10 @@ const THIN_KEEPS: f64 = 40.0;
 /// Deviation, as a multiple of the bound, that a collapse for size may leave behind: the swaps, moves and splits that follow
 /// bring it down again.
 const LOOSE: f64 = 1.5;
+/// What rounding may add to a deviation of just the bound; and the length, in wanted lengths, below which an edge is not split for
+/// its deviation: it cannot get better there.
+const EXCESS_ROUNDING: f64 = 1e-9;
+const LEAST_SPLIT: f64 = 0.5;
 /// Least drop of such a deviation for which an edge is swapped.
 const LEAST_DROP: f64 = 0.05;
 
@@ -42,6 +46,9 @@ const OBTUSE: f64 = 0.25;
 
 /// Operations per edge at most in one pass: passes end long before, this bounds them on any input.
 const BUDGET_PER_EDGE: usize = 20;
+
+/// Repairs of one triangle at most, on average, in one polish.
+const MENDS_PER_FACET: usize = 8;
 
 /// A priority queue of ids: largest key first, then smallest id. Keys are not negative.
 struct Queue<I>(BinaryHeap<(u64, std::cmp::Reverse<I>)>);
@@ -267,7 +274,7 @@ impl Workpiece {
         let goal = cosine_of_degrees(GOAL);
         let mut queue = Queue::new();
         let facets: Vec<FacetId> = self.brep.topology.facets().filter(|&f| self.is_treated(f)).collect();
-        let mut budget = BUDGET_PER_EDGE * facets.len() + 100;
+        let mut budget = MENDS_PER_FACET * facets.len() + 100;
         for f in facets {
             let is_new = self.corners(f).is_some_and(|t| t.iter().any(|v| self.is_changed(*v)));
             if is_new {
@@ -364,11 +371,12 @@ impl Workpiece {
     fn split_deviating(&mut self) -> usize {
         let mut count = 0;
         for edge in self.active_edges() {
-            if self.brep.topology.has_edge(edge) && self.edge_excess(edge) > 1.0 + 1e-9 && self.relative_length(edge) > 0.5 {
-                if let Some(touched) = self.split(edge) {
-                    self.swap_around(&touched);
-                    count += 1;
-                }
+            let deviates = self.brep.topology.has_edge(edge)
+                && self.edge_excess(edge) > 1.0 + EXCESS_ROUNDING
+                && self.relative_length(edge) > LEAST_SPLIT;
+            if let Some(touched) = deviates.then(|| self.split(edge)).flatten() {
+                self.swap_around(&touched);
+                count += 1;
             }
         }
         count

@@ -20,6 +20,9 @@ const GRADATION: f64 = 0.35;
 /// 1.15): 2 leaves 83400 tetrahedra, 4 68400, 6 63500, because every triangle beside the gap shows on the far side too.
 const PER_GAP: f64 = 6.0;
 
+/// Wanted length over the width of a strip between two feature curves: equilateral triangles across it.
+const PER_STRIP: f64 = 1.2;
+
 /// Smallest wanted length as a fraction of the model's size: keeps apexes finite.
 const LEAST_SIZE: f64 = 1e-4;
 
@@ -161,7 +164,26 @@ impl Workpiece {
         {
             size = size.min((8.0 * self.bound.along(foot.curvature) / foot.curvature).sqrt());
         }
-        limits.limit(&point, size, &surfaces)
+        limits.limit(&point, size.min(self.strip_width(vertex) * PER_STRIP), &surfaces)
+    }
+
+    /// Width of the surface at a vertex of a feature curve: the shortest edge straight across to another curve. Edges around a
+    /// common corner do not count, where curves meet at any width.
+    fn strip_width(&self, vertex: VertexId) -> f64 {
+        let topology = &self.brep.topology;
+        if matches!(self.place(vertex), Place::Surface(_)) {
+            return f64::INFINITY;
+        }
+        let along =
+            |v: VertexId| topology.edges_at(v).filter(|&e| self.brep.is_feature(e)).map(move |e| topology.other_end(e, v));
+        let is_across = |other: VertexId| {
+            let place = self.place(other);
+            let is_other = matches!(place, Place::Corner) || matches!(place, Place::Curve(_)) && place != self.place(vertex);
+            let is_near_corner = along(vertex).any(|n| n == other || along(other).any(|m| m == n));
+            is_other && !is_near_corner
+        };
+        let smooth = topology.edges_at(vertex).filter(|&e| self.is_active(e) && !self.brep.is_feature(e));
+        smooth.filter(|&e| is_across(topology.other_end(e, vertex))).map(|e| self.length(e)).fold(f64::INFINITY, f64::min)
     }
 
     /// Length on a support near a point. At an apex, where the curvature has no bound, the length that is right at its own
