@@ -76,6 +76,12 @@ impl Outline {
         }
         is_inside
     }
+    /// Whether it has one loop that turns left at every corner, or not at all.
+    pub fn is_convex(&self, points: &[Vec3]) -> bool {
+        let [walk] = &self.frame[..] else { return false };
+        let (n, flat) = (walk.len(), |v: u32| self.projection.apply(&points[v as usize]));
+        (0..n).all(|k| orient2d(flat(walk[k]), flat(walk[(k + 1) % n]), flat(walk[(k + 2) % n])) >= 0)
+    }
     /// Whether the segment between two points of the facet runs inside it, away from its sides.
     pub fn is_chord(&self, ends: [u32; 2], tolerance: f64, points: &[Vec3]) -> bool {
         let [a, b] = ends.map(|v| points[v as usize]);
