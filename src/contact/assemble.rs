@@ -61,19 +61,31 @@ fn unresolved(body: &Body, facet: u32, tangled: Tangled, names: Names) -> Diagno
 #[derive(Default)]
 struct Collector {
     drafts: Vec<Draft>,
-    by_outline: NumberMap<Vec<u32>, u32>,
+    /// The last cell of each short key.
+    last: NumberMap<[u32; 4], u32>,
+    /// For each cell with a key, the one before of the same key.
+    previous: Vec<u32>,
 }
 
 impl Collector {
     /// Adds a cell, or its owners to the cell that has the same outline.
     fn add(&mut self, draft: Draft, body: &Body) {
-        let (key, is_reversed) = outline_key(&draft.loops);
         let next = self.drafts.len() as u32;
-        let slot = *self.by_outline.entry(key).or_insert(next);
-        if slot == next {
+        self.previous.resize(next as usize + 1, u32::MAX);
+        let last = self.last.entry(short_key(&draft.loops)).or_insert(u32::MAX);
+        let mut slot = *last;
+        // Hardly any cells have the same short key and are not the same.
+        while let Some(other) = self.drafts.get(slot as usize)
+            && outline_key(&other.loops).0 != outline_key(&draft.loops).0
+        {
+            slot = self.previous[slot as usize];
+        }
+        if slot == u32::MAX {
+            self.previous[next as usize] = std::mem::replace(last, next);
             self.drafts.push(draft);
             return;
         }
+        let is_reversed = outline_key(&draft.loops).1;
         let kept = &mut self.drafts[slot as usize];
         let is_flipped = outline_key(&kept.loops).1 != is_reversed;
         kept.owners.extend(draft.owners.iter().map(|o| (o.0, o.1 != is_flipped)));
@@ -91,6 +103,16 @@ impl Collector {
             }
         }
     }
+}
+
+/// What equal outlines have in common and others hardly: the lowest point of the outer loop between its neighbours, and the
+/// number of points.
+fn short_key(loops: &[Vec<u32>]) -> [u32; 4] {
+    let Some(walk) = loops.first().filter(|w| !w.is_empty()) else { return [u32::MAX; 4] };
+    let n = walk.len();
+    let first = (0..n).min_by_key(|&k| walk[k]).unwrap_or(0);
+    let (a, b) = (walk[(first + n - 1) % n], walk[(first + 1) % n]);
+    [walk[first], a.min(b), a.max(b), loops.iter().map(Vec::len).sum::<usize>() as u32]
 }
 
 /// Loops from their lowest points towards the lower neighbour, holes sorted; and whether that turns the outer loop round.

@@ -1,5 +1,6 @@
 //! The leaves under one numbering of facets, over welded points.
 
+use super::outline::sides;
 use super::weld::{self, PointGrid, Welded};
 use crate::diag::Outcome;
 use crate::geom::Vec3;
@@ -79,6 +80,15 @@ impl<'a> Body<'a> {
     pub fn loops(&self, facet: u32) -> Vec<Vec<u32>> {
         let ids = self.points_of_leaf(self.leaf_of_facet[facet as usize]);
         self.own_loops(facet).iter().map(|w| w.iter().map(|&v| ids[v as usize]).collect()).collect()
+    }
+    /// Unit normal of a facet before the weld, outwards.
+    pub fn normal(&self, facet: u32) -> Vec3 {
+        let vertices = &self.solids[self.leaf_of_facet[facet as usize] as usize].vertices;
+        let at = |v: u32| vertices[v as usize].point;
+        let loops = self.own_loops(facet);
+        let Some(&first) = loops.first().and_then(|w| w.first()) else { return Vec3::zeros() };
+        let side = |[a, b]: [u32; 2]| (at(a) - at(first)).cross(&(at(b) - at(first)));
+        sides(loops).map(side).sum::<Vec3>().try_normalize(0.0).unwrap_or(Vec3::zeros())
     }
     /// The box of a facet before the weld.
     pub fn bounds(&self, facet: u32) -> Aabb {

@@ -1,5 +1,6 @@
 //! A sheet to its cells: one constrained triangulation over all its edges, whose pieces are the cells.
 
+use super::cuts;
 use super::outline::{Outline, sides};
 use super::sheets::Sheet;
 use crate::geom::Vec3;
@@ -45,6 +46,9 @@ pub(super) fn plain(facet: u32, loops: Vec<Vec<u32>>, points: &[Vec3]) -> Result
 
 /// The cells of a sheet, counter-clockwise about the normal of its reference facet. O(n log n) in its edges, plus the owners.
 pub(super) fn trace(sheet: &Sheet, outlines: &[Outline], points: &[Vec3]) -> Result<Vec<Draft>, Tangled> {
+    if let Some(drafts) = cuts::cut(sheet, outlines, points) {
+        return Ok(drafts);
+    }
     let reference = &outlines[sheet.reference as usize];
     let borders = borders(sheet, outlines);
     let mut edges: Vec<[u32; 2]> = borders.iter().map(|b| b.ends).chain(sheet.segments.iter().copied()).collect();

@@ -5,6 +5,7 @@ use super::candidates::facet_pairs;
 use super::conforming::Conforming;
 use super::outline::{Outline, sides};
 use crate::geom::Vec3;
+use crate::geom::aabb::Aabb;
 use crate::ids::LeafId;
 use crate::primitive::solid::Solid;
 use std::collections::BTreeMap;
@@ -32,13 +33,17 @@ pub fn nearly_touching(solids: &[Solid], conforming: &Conforming) -> Vec<Gap> {
     let touching = touching(conforming);
     // None: they cross, so that nothing counts any more.
     let mut gaps: BTreeMap<[u32; 2], Option<Gap>> = BTreeMap::new();
+    let mut outlines: Vec<Option<Outline>> = std::iter::repeat_with(|| None).take(body.facet_count()).collect();
     for pair in &pairs {
         let leaves = pair.map(|f| body.leaf_of_facet[f as usize]);
         if touching.binary_search(&leaves).is_ok() || gaps.get(&leaves).is_some_and(Option::is_none) {
             continue;
         }
-        let [f, g] = pair.map(|f| Outline::new(f, body.loops(f), None, &body.points));
-        match distance(&f, &g, &body.points) {
+        for &f in pair {
+            outlines[f as usize].get_or_insert_with(|| Outline::new(f, body.loops(f), None, &body.points));
+        }
+        let [Some(f), Some(g)] = pair.map(|f| outlines[f as usize].as_ref()) else { continue };
+        match distance(f, g, reach, &body.points) {
             None => {
                 gaps.insert(leaves, None);
             }
@@ -76,17 +81,22 @@ fn touching(conforming: &Conforming) -> Vec<[u32; 2]> {
     pairs
 }
 
-/// Distance of two planar facets and a place of it, or `None` if they cross.
-fn distance(f: &Outline, g: &Outline, points: &[Vec3]) -> Option<(f64, Vec3)> {
+/// Distance of two planar facets and a place of it, if it is at most `reach`, or `None` if they cross.
+fn distance(f: &Outline, g: &Outline, reach: f64, points: &[Vec3]) -> Option<(f64, Vec3)> {
     let mut best = (f64::INFINITY, Vec3::zeros());
     let mut improve = |d: f64, place: Vec3| {
         if d < best.0 {
             best = (d, place);
         }
     };
-    for (from, onto) in [(f, g), (g, f)] {
-        for side in sides(&from.loops) {
-            let [a, b] = side.map(|v| points[v as usize]);
+    let near = |outline: &Outline, other: &Outline| -> Vec<([Vec3; 2], Aabb)> {
+        let other = other.bounds.inflated(reach);
+        let ends = sides(&outline.loops).map(|side| side.map(|v| points[v as usize]));
+        ends.map(|ends| (ends, Aabb::around(&ends))).filter(|side| other.overlaps(&side.1)).collect()
+    };
+    let (mine, yours) = (near(f, g), near(g, f));
+    for (own, onto) in [(&mine, g), (&yours, f)] {
+        for &([a, b], _) in own {
             let [h, k] = [a, b].map(|p| onto.height(&p));
             if (h > 0.0) != (k > 0.0) && onto.encloses(&(a + (b - a) * (h / (h - k))), points) {
                 return None;
@@ -96,10 +106,10 @@ fn distance(f: &Outline, g: &Outline, points: &[Vec3]) -> Option<(f64, Vec3)> {
             }
         }
     }
-    for mine in sides(&f.loops) {
-        let p = mine.map(|v| points[v as usize]);
-        for yours in sides(&g.loops) {
-            let (d, place) = between_segments(&p, &yours.map(|v| points[v as usize]));
+    for (p, bounds) in &mine {
+        let bounds = bounds.inflated(reach);
+        for (q, _) in yours.iter().filter(|yours| bounds.overlaps(&yours.1)) {
+            let (d, place) = between_segments(p, q);
             improve(d, place);
         }
     }

@@ -11,7 +11,8 @@
 //! 4. [`sheets`]: facets in one plane that overlap form a sheet; edges and points of other facets may lie on it besides.
 //! 5. [`chords`]: facets that cross along a line with common points on it get its pieces as common edges; so do [`walls`] of
 //!    several facets in one plane.
-//! 6. [`cells`]: each sheet is one constrained triangulation, cut along its edges into cells, each with the facets that cover it.
+//! 6. [`cells`]: each sheet is one constrained triangulation, cut along its edges into cells, each with the facets that cover it;
+//!    [`cuts`] does the simplest ones.
 //! 7. [`assemble`]: the same cell from two sheets is one cell. [`verify`]: every leaf is still what it was.
 //!
 //! [`nearly_touching`] finds the gaps that are left and were hardly meant.
@@ -29,6 +30,7 @@ mod cells;
 mod chords;
 pub mod conforming;
 mod crossings;
+mod cuts;
 mod edges;
 mod gaps;
 mod outline;

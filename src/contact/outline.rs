@@ -2,6 +2,7 @@
 
 use super::edges::EdgeSet;
 use crate::geom::Vec3;
+use crate::geom::aabb::Aabb;
 use crate::geom::polygon::vector_area;
 use crate::geom::predicates::{Projection, orient2d};
 
@@ -13,6 +14,8 @@ pub(super) struct Outline {
     pub origin: Vec3,
     pub area: f64,
     pub projection: Projection,
+    /// Box of the facet as it came.
+    pub bounds: Aabb,
     /// Loops as points, with everything inserted into the edges.
     pub loops: Vec<Vec<u32>>,
     /// Loops as they came. What is not on the outline is further from it than the tolerance, hence inside both or neither.
@@ -41,6 +44,7 @@ impl Outline {
             origin,
             area,
             projection: Projection::along(&normal),
+            bounds: Aabb::around(corners.first().into_iter().flatten().map(|&v| &points[v as usize])),
             loops,
             frame: corners,
             sides,
@@ -67,6 +71,10 @@ impl Outline {
     pub fn encloses(&self, p: &Vec3, points: &[Vec3]) -> bool {
         let flat = |v: u32| self.projection.apply(&points[v as usize]);
         let q = self.projection.apply(p);
+        let [lo, hi] = [&self.bounds.lo, &self.bounds.hi].map(|c| self.projection.apply(c));
+        if (0..2).any(|k| q[k] < lo[k] || q[k] > hi[k]) {
+            return false;
+        }
         let mut is_inside = false;
         for [a, b] in sides(&self.frame) {
             let (a, b) = (flat(a), flat(b));
@@ -75,6 +83,12 @@ impl Outline {
             }
         }
         is_inside
+    }
+    /// Whether it has one loop that turns left at every corner, or not at all.
+    pub fn is_convex(&self, points: &[Vec3]) -> bool {
+        let [walk] = &self.frame[..] else { return false };
+        let (n, flat) = (walk.len(), |v: u32| self.projection.apply(&points[v as usize]));
+        (0..n).all(|k| orient2d(flat(walk[k]), flat(walk[(k + 1) % n]), flat(walk[(k + 2) % n])) >= 0)
     }
     /// Whether the segment between two points of the facet runs inside it, away from its sides.
     pub fn is_chord(&self, ends: [u32; 2], tolerance: f64, points: &[Vec3]) -> bool {

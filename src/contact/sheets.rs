@@ -180,7 +180,8 @@ fn land(body: &Body, set: &EdgeSet, from: &Outline, onto: &Outline, slot: u32, f
     let leaf = body.leaf_of_facet[onto.facet as usize];
     let tolerance = body.tolerance(body.leaf_of_facet[from.facet as usize], leaf);
     let height = |v: u32| onto.height(&body.points[v as usize]);
-    for &edge in set.own.of(from.facet) {
+    let near = onto.bounds.inflated(2.0 * CHAIN_REACH * tolerance);
+    for &edge in set.own.of(from.facet).iter().filter(|&&e| near.overlaps(&set.bounds(e, &body.points))) {
         let ends = set.edges[edge as usize].ends.map(height);
         if ends.iter().all(|&h| h > CHAIN_REACH * tolerance) || ends.iter().all(|&h| h < -CHAIN_REACH * tolerance) {
             continue;

@@ -10,7 +10,8 @@ use crate::geom::union_find::UnionFind;
 /// what a point on the edge between them may be off by.
 const FLAT_SINE: f64 = 1e-7;
 
-/// Walls, called by their first facet.
+/// Walls, called by their first facet; nothing at all if none has several.
+#[derive(Default)]
 pub(super) struct Walls {
     of_facet: Vec<u32>,
     /// For every wall, the edges inside.
@@ -24,11 +25,12 @@ pub(super) struct Walls {
 impl Walls {
     /// Walls of active facets. O(n) in them.
     pub fn new(body: &Body, set: &EdgeSet) -> Self {
-        let outline = |f: u32| set.is_active[f as usize].then(|| Outline::new(f, body.loops(f), None, &body.points));
-        let outlines: Vec<Option<Outline>> = (0..body.facet_count() as u32).map(outline).collect();
-        let is_flat = |f: u32, g: u32| match [&outlines[f as usize], &outlines[g as usize]] {
-            [Some(f), Some(g)] => f.normal.dot(&g.normal) > 0.0 && f.normal.cross(&g.normal).norm() <= FLAT_SINE,
-            _ => false,
+        let normals: Vec<Vec3> = (0..body.facet_count() as u32)
+            .map(|f| if set.is_active[f as usize] { body.normal(f) } else { Vec3::zeros() })
+            .collect();
+        let is_flat = |f: u32, g: u32| {
+            let [a, b] = [f, g].map(|f| normals[f as usize]);
+            a.dot(&b) > 0.0 && a.cross(&b).norm() <= FLAT_SINE
         };
         let mut sets = UnionFind::new(body.facet_count());
         let mut inner: Vec<(u32, u32)> = Vec::new();
@@ -40,6 +42,11 @@ impl Walls {
                 inner.push((f, edge));
             }
         }
+        if inner.is_empty() {
+            return Self::default();
+        }
+        let outline = |f: u32| set.is_active[f as usize].then(|| Outline::new(f, body.loops(f), None, &body.points));
+        let outlines: Vec<Option<Outline>> = (0..body.facet_count() as u32).map(outline).collect();
         let of_facet: Vec<u32> = (0..body.facet_count() as u32).map(|f| sets.find(f)).collect();
         inner.iter_mut().for_each(|i| i.0 = of_facet[i.0 as usize]);
         let facets: Vec<(u32, u32)> = of_facet.iter().zip(0..).map(|(&wall, f)| (wall, f)).collect();

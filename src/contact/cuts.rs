@@ -1,0 +1,44 @@
+//! The usual sheet without a triangulation of the whole: one convex facet that is cut from side to side.
+
+use super::cells::{Draft, plain};
+use super::outline::Outline;
+use super::sheets::Sheet;
+use crate::geom::Vec3;
+
+/// Cuts above which the triangulation, which looks for nothing twice, is cheaper.
+const MAX_CUTS: usize = 16;
+
+/// The cells of a sheet of one convex facet that only segments from side to side lie on; `None` if it is another.
+pub(super) fn cut(sheet: &Sheet, outlines: &[Outline], points: &[Vec3]) -> Option<Vec<Draft>> {
+    let outline = &outlines[sheet.reference as usize];
+    let is_simple = sheet.members.len() == 1 && sheet.lone.is_empty();
+    if !is_simple || sheet.segments.len() + sheet.chords.len() > MAX_CUTS || !outline.is_convex(points) {
+        return None;
+    }
+    let mut walks = outline.loops.clone();
+    if !sheet.segments.iter().all(|&ends| divide(&mut walks, ends)) {
+        return None;
+    }
+    for &ends in &sheet.chords {
+        divide(&mut walks, ends);
+    }
+    walks.into_iter().map(|walk| plain(outline.facet, vec![walk], points).ok()).collect()
+}
+
+/// Cuts the walk that has both points; false if none has, since another cut lies between them.
+fn divide(walks: &mut Vec<Vec<u32>>, [a, b]: [u32; 2]) -> bool {
+    for walk in walks.iter_mut() {
+        let at = |v: u32| walk.iter().position(|&w| w == v);
+        if let (Some(i), Some(j)) = (at(a), at(b)) {
+            let (i, j) = (i.min(j), i.max(j));
+            let is_side = j - i == 1 || j - i == walk.len() - 1;
+            if !is_side {
+                let part = walk[i..=j].to_vec();
+                walk.drain(i + 1..j);
+                walks.push(part);
+            }
+            return true;
+        }
+    }
+    false
+}
