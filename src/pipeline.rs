@@ -4,17 +4,13 @@ use crate::arrangement::Statistics;
 use crate::brep::complex::Complex;
 use crate::diag::{Diagnostic, Outcome};
 use crate::evaluate;
-use crate::geom::embedding;
 use crate::io::manifest::Manifest;
 use crate::plc::measure::{self, Measures};
 use crate::plc::{self, Plc};
 use crate::primitive;
 use crate::remesh;
 use crate::report::timing::Timings;
-use crate::scene::{
-    self, Limits,
-    model::{RemeshMode, Scene},
-};
+use crate::scene::{self, Limits, model::Scene};
 use std::path::Path;
 
 /// A built scene.
@@ -52,31 +48,9 @@ fn build(scene: Scene, mut warnings: Vec<Diagnostic>, mut timings: Timings) -> O
     let evaluation = evaluate::evaluate(&scene, &solids, &mut timings)?;
     let statistics = evaluation.statistics;
     warnings.extend(evaluation.warnings);
-    let complex = timings.measure("remesh", || remeshed(&scene, evaluation.complex, &mut warnings))?;
+    let complex = timings.measure("remesh", || remesh::remesh(evaluation.complex, &scene.remesh, &scene.parts))?;
     let plc = timings.measure("plc", || plc::build::build(&complex, &scene.parts))?;
     let measures = timings.measure("measure", || measure::measure(&complex));
     let manifest = Manifest::new(&scene, &complex, &measures, &plc);
     Ok(Model { scene, complex, measures, plc, manifest, statistics, warnings, timings })
-}
-
-/// The remeshed complex; the evaluated one, with a warning, if the remesher's result is no embedding: what is written is valid.
-fn remeshed(scene: &Scene, complex: Complex, warnings: &mut Vec<Diagnostic>) -> Outcome<Complex> {
-    if scene.remesh.mode == RemeshMode::Off {
-        return Ok(complex);
-    }
-    let result = remesh::remesh(complex.clone(), &scene.remesh, &scene.parts)?;
-    let points: Vec<_> = result.vertices.iter().map(|v| v.point).collect();
-    let triangles: Vec<[u32; 3]> = result.facets.iter().flat_map(|f| f.triangles.iter().map(|t| t.map(|v| v.0))).collect();
-    match embedding::violations(&points, &triangles, 1).first() {
-        None => Ok(result),
-        Some(violation) => {
-            let text = "the remeshed surface would meet itself here, so the curved surfaces are left as they were";
-            warnings.push(
-                Diagnostic::warning("remesh-refused", text)
-                    .near(violation.point)
-                    .hint("set a smaller `max_deviation`, or `remesh: Off`"),
-            );
-            Ok(complex)
-        }
-    }
 }
