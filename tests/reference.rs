@@ -8,8 +8,11 @@ use std::path::Path;
 use std::process::Command;
 use support::{SCENES, build, folder, label, scene};
 
-/// Exact volumes of the true, curved parts (`scenes.md` of the peers), and how much of it the chords of 24 segments may cost.
-const VOLUMES: [(&str, &[(&str, f64)], f64); 10] = [
+/// A scene, the exact volumes of its parts, and how much of them the chords may cost.
+type Expected = (&'static str, &'static [(&'static str, f64)], f64);
+
+/// Exact volumes of the true, curved parts (`scenes.md` of the peers), and what the chords of 24 segments may cost.
+const VOLUMES: [Expected; 10] = [
     ("prism_holes", &[("body", 1_625_000.0)], 1e-12),
     ("cone", &[("body", 261_799.387_799_149_4)], CHORDS),
     // The next two have no closed form; OpenCASCADE's integral over its B-rep, a grid agrees to 1e-4.

@@ -12,7 +12,7 @@ pub fn merge(cells: &mut SubCells, is_coplanar: &IndexSet<u32>) {
     let mut first: IndexMap<Vec<u32>, (usize, Vec<u32>)> = IndexMap::default();
     let mut extra: IndexMap<usize, Vec<Owner>> = IndexMap::default();
     let mut is_gone = vec![false; cells.len()];
-    for cell in 0..cells.len() {
+    for (cell, is_gone) in is_gone.iter_mut().enumerate() {
         if !is_coplanar.contains(&cells.triangle[cell]) {
             continue;
         }
@@ -24,7 +24,7 @@ pub fn merge(cells: &mut SubCells, is_coplanar: &IndexSet<u32>) {
             continue;
         };
         let Some(is_turned) = compare_loops(walk, &outer) else { continue };
-        is_gone[cell] = true;
+        *is_gone = true;
         let owners = extra.entry(*kept).or_insert_with(|| cells.owners_of(*kept).to_vec());
         owners.extend(cells.owners_of(cell).iter().map(|o| Owner { is_flipped: o.is_flipped ^ is_turned, ..*o }));
     }
@@ -46,10 +46,7 @@ fn compare_loops(a: &[u32], b: &[u32]) -> Option<bool> {
 
 fn rebuild(cells: &mut SubCells, is_gone: &[bool], extra: &mut IndexMap<usize, Vec<Owner>>) {
     let mut kept = SubCells::new(cells.input);
-    for cell in 0..cells.len() {
-        if is_gone[cell] {
-            continue;
-        }
+    for cell in (0..cells.len()).filter(|&c| !is_gone[c]) {
         let list = match extra.remove(&cell) {
             Some(mut owners) => {
                 owners.sort_unstable();

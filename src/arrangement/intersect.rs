@@ -99,19 +99,18 @@ fn sides(of: &Corners, plane: &Corners) -> Option<[Sign; 3]> {
     let (u, v) = (plane.projection.u as usize, plane.projection.v as usize);
     let axis = 3 - u - v;
     let is_parallel = a[axis] == b[axis] && b[axis] == c[axis];
-    let mut s = [0; 3];
-    for k in 0..3 {
+    let side = |k: usize| {
         if plane.index_of(of.ids[k]).is_some() {
-            continue;
+            return 0;
+        }
+        if !is_parallel {
+            return orient3d(a, b, c, of.at[k]);
         }
         // Planes parallel to the coordinate planes are frequent and full of contact: a comparison decides, exactly.
-        s[k] = if is_parallel {
-            let above = sign(of.at[k][axis] - a[axis]);
-            if (u + 1) % 3 == v { above } else { -above }
-        } else {
-            orient3d(a, b, c, of.at[k])
-        };
-    }
+        let above = sign(of.at[k][axis] - a[axis]);
+        if (u + 1) % 3 == v { above } else { -above }
+    };
+    let s = [0, 1, 2].map(side);
     if s == [1; 3] || s == [-1; 3] { None } else { Some(s) }
 }
 

@@ -52,10 +52,8 @@ impl<'a> Rays<'a> {
             match owners.iter().find(|o| o.leaf.0 as usize == leaf) {
                 Some(owner) if owner.is_flipped => label.push(leaf as u32),
                 Some(_) => {}
-                None if bounds.inflated(margin).contains(&from.near) => {
-                    if self.is_inside(&from, triangles)? {
-                        label.push(leaf as u32);
-                    }
+                None if bounds.inflated(margin).contains(&from.near) && self.is_inside(&from, triangles)? => {
+                    label.push(leaf as u32)
                 }
                 None => {}
             }
