@@ -108,7 +108,8 @@ fn tetgen_finds_nothing_to_complain_about_and_the_volumes_agree() {
         let report = build(&scene(name), &[arguments, &["-o", &poly]].concat(), &folder);
         let said = tetgen("-d", &poly, &folder);
         assert!(said.contains("No faces are intersecting"), "{label}: {said}");
-        tetgen("-pq2.0AQ", &poly, &folder);
+        // The tour's finely divided sector has facets so nearly coplanar that TetGen would merge them, at the cost of volume.
+        tetgen(if name == "tour" { "-pq2.0AMQ" } else { "-pq2.0AQ" }, &poly, &folder);
         let meshed = volumes(&folder, &label);
         let parts = report["parts"].as_array().unwrap();
         let stated: BTreeMap<&str, f64> =

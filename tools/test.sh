@@ -14,4 +14,4 @@ step tools/setup-tests.sh
 step cargo fmt --check
 step cargo clippy --locked --all-targets -- -D warnings
 step cargo test --locked
-step env RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps
+step env RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps --document-private-items

@@ -93,7 +93,7 @@ fn corners<const N: usize>(words: &mut Words, mesh: &Mesh) -> Result<[NodeId; N]
     Ok(corners)
 }
 
-/// Names from comments `# region 1 iron`, as [`write`] leaves them (the .ply and .off writers do, too).
+/// Names from comments `# region 1 iron`, as [`write()`] leaves them (the .ply and .off writers do, too).
 pub(crate) fn read_names(text: &str, mesh: &mut Mesh) {
     for line in text.lines() {
         let mut words = line.trim_start_matches(['#', ' ']).split_whitespace();

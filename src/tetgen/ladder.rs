@@ -75,6 +75,7 @@ impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Self::AsIs => write!(f, "as it is"),
+            Self::Unmerged => write!(f, "as it is, nearly coplanar facets kept apart"),
             Self::Turned(_) => write!(f, "turned into its main axes and back"),
             Self::Bent(amount, _) => write!(f, "bent by {amount:e} and back"),
             Self::Moved(amount, _) => write!(f, "vertices moved by {amount:e} of the size"),
@@ -129,6 +130,7 @@ fn rungs<'a>(input: &Input, programs: &'a [Program]) -> Vec<(&'a Program, Place)
     // A complex that lies askew meshes worse as it is even where TetGen survives: coplanar facets are not merged.
     let mut rungs: Vec<_> = Place::turned(input).into_iter().map(|p| (usual, p)).collect();
     rungs.push((usual, Place::AsIs));
+    rungs.push((usual, Place::Unmerged));
     rungs.extend(BENDS.map(|(amount, seed)| (usual, Place::Bent(amount, seed))));
     rungs.extend(newer.iter().map(|program| (program, Place::AsIs)));
     rungs.extend(MOVES.map(|(amount, seed)| (usual, Place::Moved(amount, seed))));
@@ -143,17 +145,18 @@ fn attempt(input: &Input, program: &Program, place: &Place, options: &Options) -
     std::fs::write(folder.path().join("m.poly"), poly::to_text(&plc, None))?;
     let stall = STALL + STALL_PER_VERTEX * plc.vertices.len() as u32;
     let limits = Limits { time: options.time, stall, memory: options.memory };
-    let run = child::run(&program.path, &[&switches(&plc, options, place.distortion()), "m.poly"], folder.path(), &limits)?;
+    let run = child::run(&program.path, &[&switches(&plc, options, place), "m.poly"], folder.path(), &limits)?;
     Ok((judge(input, place, &run, folder.path()), run))
 }
 
 /// TetGen's switches: quality, volumes where seeds have any, region numbers.
-fn switches(plc: &Plc, options: &Options, distortion: f64) -> String {
+fn switches(plc: &Plc, options: &Options, place: &Place) -> String {
     // Four: a ratio of two lengths, each of which may be off by the distortion, to first order, and once more for the shape.
-    let ratio = options.ratio / (1.0 + 4.0 * distortion);
+    let ratio = options.ratio / (1.0 + 4.0 * place.distortion());
     let volumes = if plc.seeds.iter().any(|s| s.max_volume.is_some()) { "a" } else { "" };
     let dihedral = if options.dihedral > 0.0 { format!("/{}", options.dihedral) } else { String::new() };
-    format!("-pq{ratio}{dihedral}A{volumes}")
+    let apart = if *place == Place::Unmerged { "M" } else { "" };
+    format!("-pq{ratio}{dihedral}A{volumes}{apart}")
 }
 
 /// The volume limits that TetGen gets: the smaller of the part's and the general one.

@@ -21,6 +21,9 @@ const PARALLEL: f64 = 1e-7;
 pub enum Place {
     /// None.
     AsIs,
+    /// None; but TetGen is told to keep facets apart that are nearly coplanar (doubly curved surfaces, finely divided), which it
+    /// would otherwise merge to facets of another volume.
+    Unmerged,
     /// Into a frame (rows are its axes) in which most facets are parallel to an axis.
     Turned(Matrix3<f64>),
     /// By a linear map near the identity; a fraction of the size, and which of many.
@@ -41,7 +44,7 @@ impl Place {
     pub fn apply(&self, input: &Input) -> Plc {
         let plc = &input.plc;
         match *self {
-            Self::AsIs => plc.clone(),
+            Self::AsIs | Self::Unmerged => plc.clone(),
             Self::Turned(axes) => {
                 let mut turned = mapped(plc, &axes, &center(plc));
                 equalise(&mut turned.vertices, EQUAL * plc.size());
@@ -60,7 +63,7 @@ impl Place {
     /// Puts the nodes of a result back. Those that were vertices get their coordinates bit for bit, except when they were moved.
     pub fn restore(&self, given: &Plc, mesh: &mut Mesh) {
         let inverse = match *self {
-            Self::AsIs | Self::Moved(..) => None,
+            Self::AsIs | Self::Unmerged | Self::Moved(..) => None,
             Self::Turned(axes) => Some(axes.transpose()),
             Self::Bent(amount, seed) => bend(amount, seed).try_inverse(),
         };
