@@ -1,6 +1,7 @@
 //! Every scene under random rotations and a far translation: the same regions, interfaces and topology.
 
 use gsm::brep::complex::Complex;
+use gsm::brep::model::Brep;
 use gsm::evaluate::evaluate;
 use gsm::geom::{Affine, Vec3};
 use gsm::ids::Id;
@@ -102,6 +103,8 @@ fn rotated_scenes_are_alike() {
     for (name, set) in SCENES.iter().filter(|s| s.0.contains(&only)) {
         let scene = load(name, set);
         let reference = build(&scene).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let brep = Brep::from_complex(reference.clone()).unwrap_or_else(|e| panic!("{name}: {e:?}"));
+        assert!(brep.check().is_empty(), "{name}: {:?}", brep.check());
         for seed in 0..count {
             let turned = moved(&scene, &rotation(seed));
             match build(&turned) {

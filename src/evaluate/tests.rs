@@ -1,4 +1,5 @@
 use super::*;
+use crate::brep::model::Brep;
 use crate::diag::Span;
 use crate::geom::{Affine, Vec3};
 use crate::ids::{Id, IdVec};
@@ -60,7 +61,11 @@ fn leaf(k: u32) -> Node {
 
 fn run(parts: Vec<(&str, Node)>, solids: &[Solid]) -> Complex {
     let scene = scene(parts, solids.len());
-    evaluate(&scene, solids, &mut Timings::default()).unwrap_or_else(|e| panic!("{e:?}")).complex
+    let complex = evaluate(&scene, solids, &mut Timings::default()).unwrap_or_else(|e| panic!("{e:?}")).complex;
+    // V - E + F - L = 2 (R + S - H), and every other invariant of the kernel.
+    let brep = Brep::from_complex(complex.clone()).unwrap_or_else(|e| panic!("{e:?}"));
+    assert!(brep.check().is_empty(), "{:?}", brep.check());
+    complex
 }
 
 fn volumes(complex: &Complex) -> Vec<f64> {

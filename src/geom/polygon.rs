@@ -21,6 +21,16 @@ pub fn vector_area<'a>(loops: impl IntoIterator<Item = &'a [u32]>, points: &[Vec
     sum * 0.5
 }
 
+/// Whether all vertices lie within `flatness` of the polygon's plane.
+pub fn is_planar(loops: &[&[u32]], points: &[Vec3], flatness: f64) -> bool {
+    let normal = vector_area(loops.iter().copied(), points);
+    let unit = normal / normal.norm();
+    let all = || loops.iter().flat_map(|l| l.iter()).map(|&v| points[v as usize]);
+    let Some(first) = all().next() else { return true };
+    let (lo, hi) = all().map(|p| unit.dot(&(p - first))).fold((0.0, 0.0), |(l, h): (f64, f64), d| (l.min(d), h.max(d)));
+    hi - lo <= 2.0 * flatness
+}
+
 /// Why a polygon has no triangulation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum PolygonError {

@@ -45,14 +45,16 @@ mod sizing;
 mod verify;
 mod workpiece;
 
-use crate::brep::complex::Complex;
+use crate::brep::complex::{Complex, ComplexFacet};
 use crate::brep::model::Brep;
 use crate::diag::Outcome;
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
+use crate::geom::polygon::is_planar;
 use crate::ids::{FacetId, Id, IdVec, PartId, SurfaceId};
 use crate::patch::fit::supports_of;
 use crate::patch::support::Support;
+use crate::round::PLANAR_ULPS;
 use crate::scene::model::{Part, RemeshMode, RemeshOptions};
 use sizing::{Bound, Limits};
 use std::collections::HashMap;
@@ -86,6 +88,7 @@ pub fn remesh(complex: Complex, options: &RemeshOptions, parts: &IdVec<PartId, P
         let faulty = work.faulty_surfaces();
         if faulty.is_empty() {
             let mut done = work.brep.to_complex();
+            split_bent(&mut done);
             creases::restore(&mut done, &original, count);
             return Ok(done);
         }
@@ -96,6 +99,27 @@ pub fn remesh(complex: Complex, options: &RemeshOptions, parts: &IdVec<PartId, P
     }
     creases::restore(&mut complex, &original, count);
     Ok(complex)
+}
+
+/// Strips that were left as they are, beside curves that moved to the true surface, are no longer planar: they become their
+/// triangles, which are planar always.
+fn split_bent(complex: &mut Complex) {
+    let points: Vec<Vec3> = complex.vertices.iter().map(|v| v.point).collect();
+    let extent = Aabb::around(&points).diagonal();
+    let flatness = PLANAR_ULPS * f64::EPSILON * points.iter().fold(extent, |m, p| m.max(p.amax()));
+    let mut facets = IdVec::new();
+    for facet in std::mem::take(&mut complex.facets) {
+        let loops: Vec<Vec<u32>> = facet.loops.iter().map(|l| l.iter().map(|v| v.0).collect()).collect();
+        let walks: Vec<&[u32]> = loops.iter().map(|l| &l[..]).collect();
+        if facet.triangles.len() == 1 || is_planar(&walks, &points, flatness) {
+            facets.push(facet);
+            continue;
+        }
+        for &t in &facet.triangles {
+            facets.push(ComplexFacet { loops: vec![t.to_vec()], triangles: vec![t], ..facet.clone() });
+        }
+    }
+    complex.facets = facets;
 }
 
 impl Workpiece {

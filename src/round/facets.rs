@@ -30,7 +30,7 @@ pub fn triangulate(loops: Loops, points: &[Vec3], flatness: f64) -> Result<Vec<P
                 return Err(Diagnostic::internal("facet-not-simple", text).near(points[outer[0] as usize]));
             }
         };
-        if triangles.len() == 1 || is_planar(&walks, points, flatness) {
+        if triangles.len() == 1 || polygon::is_planar(&walks, points, flatness) {
             return Ok(vec![Piece { facet, loops, triangles }]);
         }
         Ok(triangles.into_iter().map(|t| Piece { facet, loops: vec![t.to_vec()], triangles: vec![t] }).collect())
@@ -41,14 +41,4 @@ pub fn triangulate(loops: Loops, points: &[Vec3], flatness: f64) -> Result<Vec<P
         loops.into_par_iter().enumerate().with_min_len(256).map(one).collect::<Result<_, _>>()?
     };
     Ok(nested.into_iter().flatten().collect())
-}
-
-/// Whether all vertices lie within `flatness` of the polygon's plane.
-fn is_planar(loops: &[&[u32]], points: &[Vec3], flatness: f64) -> bool {
-    let normal = polygon::vector_area(loops.iter().copied(), points);
-    let unit = normal / normal.norm();
-    let all = || loops.iter().flat_map(|l| l.iter()).map(|&v| points[v as usize]);
-    let Some(first) = all().next() else { return true };
-    let (lo, hi) = all().map(|p| unit.dot(&(p - first))).fold((0.0, 0.0), |(l, h): (f64, f64), d| (l.min(d), h.max(d)));
-    hi - lo <= 2.0 * flatness
 }
