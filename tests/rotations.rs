@@ -1,19 +1,28 @@
-//! Every scene under random rotations and a far translation: the same regions, interfaces and topology.
+//! Every scene under random rotations and a far translation: the same regions, interfaces and topology, and a volume mesh.
+//! Needs `tetgen` (apt-get install tetgen).
+
+#![allow(clippy::print_stdout)] // shown by --nocapture
 
 use gsm::brep::complex::Complex;
 use gsm::brep::model::Brep;
 use gsm::evaluate::evaluate;
+use gsm::geom::aabb::Aabb;
 use gsm::geom::{Affine, Vec3};
 use gsm::ids::Id;
+use gsm::plc;
 use gsm::primitive;
 use gsm::report::timing::Timings;
 use gsm::scene::model::Scene;
 use gsm::scene::{self, Limits};
+use gsm::tetgen::{self, Input, Meshed, Options, Program, find};
 use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Rotations per scene; the larger number of issue 3 is reached by setting GSM_ROTATIONS.
 const ROTATIONS: u64 = 3;
+
+/// Rotations of each scene up to the volume mesh.
+const MESHED_ROTATIONS: u64 = 1;
 
 const SCENES: [(&str, &str); 9] = [
     ("prism_holes", ""),
@@ -57,6 +66,12 @@ fn rotation(seed: u64) -> Affine {
     nalgebra::convert(nalgebra::Rotation3::from_axis_angle(&axis, 6.0 * f(4)))
 }
 
+/// A translation by 1000 times the size.
+fn far_away(complex: &Complex) -> Affine {
+    let size = Aabb::around(complex.vertices.iter().map(|v| &v.point)).diagonal();
+    Affine::from_matrix_unchecked(nalgebra::Matrix4::new_translation(&(Vec3::new(0.48, -0.6, 0.64) * (1000.0 * size))))
+}
+
 /// What must not change: counts per interface, and measures.
 #[derive(Debug, PartialEq)]
 struct Topology {
@@ -95,10 +110,19 @@ fn assert_alike(name: &str, what: &str, reference: &Complex, other: &Complex, to
     }
 }
 
+fn rotations(usual: u64) -> u64 {
+    std::env::var("GSM_ROTATIONS").ok().and_then(|n| n.parse().ok()).unwrap_or(usual)
+}
+
+/// Part of the names of the scenes to run, for looking into one.
+fn only() -> String {
+    std::env::var("GSM_SCENE").unwrap_or_default()
+}
+
 #[test]
 fn rotated_scenes_are_alike() {
-    let count = std::env::var("GSM_ROTATIONS").ok().and_then(|n| n.parse().ok()).unwrap_or(ROTATIONS);
-    let only = std::env::var("GSM_SCENE").unwrap_or_default();
+    let count = rotations(ROTATIONS);
+    let only = only();
     let mut failures = Vec::new();
     for (name, set) in SCENES.iter().filter(|s| s.0.contains(&only)) {
         let scene = load(name, set);
@@ -128,10 +152,48 @@ fn far_scenes_are_alike() {
     for (name, set) in SCENES {
         let scene = load(name, set);
         let reference = build(&scene).unwrap_or_else(|e| panic!("{name}: {e}"));
-        let size = reference.vertices.iter().fold(gsm::geom::aabb::Aabb::EMPTY, |b, v| b.with(&v.point)).diagonal();
-        let far =
-            Affine::from_matrix_unchecked(nalgebra::Matrix4::new_translation(&(Vec3::new(0.48, -0.6, 0.64) * (1000.0 * size))));
-        let complex = build(&moved(&scene, &far)).unwrap_or_else(|e| panic!("{name} far: {e}"));
+        let complex = build(&moved(&scene, &far_away(&reference))).unwrap_or_else(|e| panic!("{name} far: {e}"));
         assert_alike(name, "far away", &reference, &complex, 1e-6);
     }
+}
+
+/// Scene to volume mesh.
+fn mesh(scene: &Scene, programs: &[Program]) -> Result<Meshed, String> {
+    let complex = build(scene)?;
+    let plc = plc::build::build(&complex, &scene.parts).map_err(|e| format!("{e:?}"))?;
+    tetgen::mesh(&Input::new(plc, &complex, &scene.parts), programs, &Options::default()).map_err(|e| format!("{e:?}"))
+}
+
+/// Issue 5, point 1: no failure; the ladder itself compares volumes to 1e-9. The rungs are shown by `--nocapture`.
+#[test]
+fn rotated_scenes_are_meshed() {
+    let programs = find::find(None).expect("TetGen is needed: apt-get install tetgen");
+    let mut failures = Vec::new();
+    for (name, set) in SCENES.iter().filter(|s| s.0.contains(&only())) {
+        let scene = load(name, set);
+        let plain = mesh(&scene, &programs).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let far = far_away(&build(&scene).unwrap());
+        let places = (0..rotations(MESHED_ROTATIONS)).map(rotation).chain([far]);
+        let mut counts = Vec::new();
+        let mut rungs: BTreeMap<String, usize> = BTreeMap::new();
+        for (k, place) in places.enumerate() {
+            match mesh(&moved(&scene, &place), &programs) {
+                Err(e) => failures.push(format!("{name} place {k}: {e}")),
+                Ok(meshed) => {
+                    counts.push(meshed.mesh.tets.len());
+                    *rungs.entry(meshed.attempts.last().map(|a| a.place.to_string()).unwrap_or_default()).or_default() += 1;
+                    if meshed.moved > 0.0 {
+                        failures.push(format!("{name} place {k}: vertices were moved by {}", meshed.moved));
+                    }
+                }
+            }
+        }
+        counts.sort_unstable();
+        let median = counts.get(counts.len() / 2).copied().unwrap_or(0);
+        println!("{name}: {} tetrahedra, median of {} places {median}; {rungs:?}", plain.mesh.tets.len(), counts.len());
+        if median as f64 > 1.1 * plain.mesh.tets.len() as f64 {
+            failures.push(format!("{name}: median of {median} tetrahedra instead of {}", plain.mesh.tets.len()));
+        }
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
