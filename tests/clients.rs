@@ -2,6 +2,7 @@
 
 #![allow(clippy::print_stdout)] // shown by --nocapture
 
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -12,8 +13,8 @@ fn here(name: &str) -> PathBuf {
 /// An empty folder for one test.
 fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).unwrap();
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).unwrap();
     folder
 }
 
@@ -78,7 +79,7 @@ fn statistics_equal_those_of_numpy_and_scipy() {
     let folder = folder("statistics");
     let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/sphere_in_box.ron");
     let json = gsm(&["mesh", text(&scene), "--condition", "--json", "--max-volume", "60", "-o", "m.msh"], &folder);
-    std::fs::write(folder.join("m.json"), json).unwrap();
+    fs::write(folder.join("m.json"), json).unwrap();
     client(&["statistics.py", text(&folder.join("m.msh")), text(&folder.join("m.json"))]);
 }
 
@@ -90,7 +91,7 @@ fn what_is_converted_there_and_back_is_the_same() {
     gsm(&["convert", "b.mesh", "c.msh", "--msh", "4.1", "-q"], &folder);
     gsm(&["convert", "c.msh", "d.mesh", "-q"], &folder);
     gsm(&["convert", "a.msh", "e.msh", "-q"], &folder);
-    let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
+    let read = |name: &str| fs::read_to_string(folder.join(name)).unwrap();
     assert_eq!(read("a.msh"), read("e.msh"));
     assert_eq!(read("b.mesh").lines().count(), read("d.mesh").lines().count());
     // A .poly becomes a surface with the same names.
@@ -109,6 +110,12 @@ fn a_missed_threshold_is_exit_code_3_and_a_missing_tetgen_4() {
     let scene = here("plate.ron");
     assert_eq!(run(&["mesh", text(&scene), "-q", "--min-dihedral", "89"]), Some(3));
     assert!(folder.join("plate.msh").exists());
+    // The same demand in the scene; the command line goes before it.
+    let strict = folder.join("strict.ron");
+    let with_demand = fs::read_to_string(&scene).unwrap().replacen("units:", "mesh: (min_dihedral: 89), units:", 1);
+    fs::write(&strict, with_demand).unwrap();
+    assert_eq!(run(&["mesh", text(&strict), "-q"]), Some(3));
+    assert_eq!(run(&["mesh", text(&strict), "-q", "--min-dihedral", "0.1"]), Some(0));
     assert_eq!(run(&["mesh", text(&scene), "-q", "--tetgen", "/nowhere", "-o", "x.msh"]), Some(4));
     assert_eq!(run(&["mesh", text(&scene), "-q", "-o", "x.docx"]), Some(2));
     assert!(!folder.join("x.msh").exists());

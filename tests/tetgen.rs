@@ -34,7 +34,7 @@ fn rings_in_every_rotation() {
     for seed in 1..=6 {
         let input = rotated(rings(), seed);
         let meshed = mesh(&input, &programs, &Options::default()).unwrap();
-        let story: Vec<_> = meshed.attempts.iter().map(|a| format!("{}: {} {:.1}s", a.place, a.verdict, a.seconds)).collect();
+        let story: Vec<_> = meshed.attempts.iter().map(|a| format!("{a}: {} {:.1}s", a.verdict, a.seconds)).collect();
         println!("{seed}: {} of {} tetrahedra; {story:?}", meshed.mesh.tets.len(), straight.mesh.tets.len());
         assert_eq!(meshed.moved, 0.0);
         // The vertices come back bit for bit.
@@ -60,7 +60,7 @@ fn cylinders_turned_against_each_other() {
             );
         }
         let meshed = mesh(&all, &programs, &Options::default()).unwrap();
-        let story: Vec<_> = meshed.attempts.iter().map(|a| format!("{}: {} {:.1}s", a.place, a.verdict, a.seconds)).collect();
+        let story: Vec<_> = meshed.attempts.iter().map(|a| format!("{a}: {} {:.1}s", a.verdict, a.seconds)).collect();
         println!("{seed}: {} tetrahedra; {story:?}", meshed.mesh.tets.len());
         assert_eq!(meshed.moved, 0.0);
         assert_eq!(meshed.mesh.volumes().len(), 5);

@@ -9,9 +9,9 @@ use crate::io::manifest::{self, Manifest};
 use crate::io::poly;
 use crate::pipeline;
 use crate::report::timing::Timings;
-use crate::report::volume::{Thresholds, VolumeReport};
-use crate::scene::model::MeshOptions;
-use crate::scene::{self};
+use crate::report::volume::VolumeReport;
+use crate::scene;
+use crate::scene::model::{MeshOptions, Thresholds};
 use crate::tetgen::{self, Input, Meshed, Options, Program, find};
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -159,19 +159,20 @@ fn report(
     ratio: f64,
     mut timings: Timings,
 ) -> io::Result<Exit> {
-    let wanted = Thresholds {
+    let said = Thresholds {
         min_dihedral: args.min_dihedral,
         max_ratio: args.max_ratio,
         max_aspect: args.max_aspect,
         min_angle: args.min_angle,
         max_condition: args.max_condition,
     };
-    let with_stiffness = args.condition || args.max_condition.is_some();
+    let wanted = said.or(task.wanted.thresholds);
+    let with_stiffness = args.condition || wanted.max_condition.is_some();
     let mesh = timings.measure("report", || VolumeReport::new(&meshed.mesh, ratio, with_stiffness));
     let missed = mesh.missed(&wanted);
     let exit = if missed.is_empty() { Exit::Good } else { Exit::Quality };
     let attempts = meshed.attempts.iter().map(|a| AttemptReport {
-        change: a.place.to_string(),
+        change: a.to_string(),
         tetgen: a.version.clone(),
         verdict: a.verdict.clone(),
         seconds: a.seconds,

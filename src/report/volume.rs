@@ -4,6 +4,7 @@ use super::stiffness::{Stiffness, stiffness};
 use super::tets::TetQuality;
 use super::triangles::TriangleStatistics;
 use crate::io::mesh::Mesh;
+use crate::scene::model::Thresholds;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -21,21 +22,6 @@ pub struct VolumeReport {
     pub stiffness: Option<Stiffness>,
     /// Volume of each region by name (pieces of one part together).
     pub volumes: BTreeMap<String, f64>,
-}
-
-/// What a mesh must reach; `None` is no demand. Angles in degrees.
-#[derive(Clone, Copy, PartialEq, Debug, Default)]
-pub struct Thresholds {
-    /// Smallest dihedral angle of any tetrahedron.
-    pub min_dihedral: Option<f64>,
-    /// Largest radius-edge ratio.
-    pub max_ratio: Option<f64>,
-    /// Largest aspect ratio R/r.
-    pub max_aspect: Option<f64>,
-    /// Smallest angle of any triangle.
-    pub min_angle: Option<f64>,
-    /// Largest condition number of the stiffness matrix.
-    pub max_condition: Option<f64>,
 }
 
 impl VolumeReport {

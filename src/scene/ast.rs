@@ -36,7 +36,7 @@ nodes! {
     Scene { units, tolerance, overlap, gaps, params, discretization, triangulated, remesh, max_deviation, patches, mesh, solids, parts }
     Part { name, material, solid, copies, max_edge, max_volume, discretization, triangulated, boundaries }
     Discretization { segments, max_angle, max_chord_error }
-    Mesh { ratio, dihedral }
+    Mesh { ratio, dihedral, min_dihedral, max_ratio, max_aspect, min_angle, max_condition }
     Outer { name }
     Side { name, of, side }
     Translate { by, solid }

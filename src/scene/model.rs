@@ -88,11 +88,42 @@ pub struct MeshOptions {
     pub ratio: f64,
     /// Smallest dihedral angle in degrees, if given.
     pub dihedral: Option<f64>,
+    /// What the finished mesh must reach.
+    pub thresholds: Thresholds,
 }
 
 impl Default for MeshOptions {
     fn default() -> Self {
-        Self { ratio: 2.0, dihedral: None }
+        Self { ratio: 2.0, dihedral: None, thresholds: Thresholds::default() }
+    }
+}
+
+/// What a volume mesh must reach; `None` is no demand. Angles in degrees.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct Thresholds {
+    /// Smallest dihedral angle of any tetrahedron.
+    pub min_dihedral: Option<f64>,
+    /// Largest radius-edge ratio.
+    pub max_ratio: Option<f64>,
+    /// Largest aspect ratio R/r.
+    pub max_aspect: Option<f64>,
+    /// Smallest angle of any triangle.
+    pub min_angle: Option<f64>,
+    /// Largest condition number of the stiffness matrix.
+    pub max_condition: Option<f64>,
+}
+
+impl Thresholds {
+    /// These, and where they are silent the others.
+    #[must_use]
+    pub fn or(self, others: Self) -> Self {
+        Self {
+            min_dihedral: self.min_dihedral.or(others.min_dihedral),
+            max_ratio: self.max_ratio.or(others.max_ratio),
+            max_aspect: self.max_aspect.or(others.max_aspect),
+            min_angle: self.min_angle.or(others.min_angle),
+            max_condition: self.max_condition.or(others.max_condition),
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::ast;
 use super::expr::Kind;
-use super::model::{Division, MeshOptions, RemeshOptions};
+use super::model::{Division, MeshOptions, RemeshOptions, Thresholds};
 use super::motion::radians;
 use super::reader::{Owner, Reader};
 use super::source::{Field, Raw};
@@ -55,7 +55,39 @@ impl<'a> Reader<'a> {
             angle if (0.0..=45.0).contains(&angle) => Some(angle),
             angle => r.fail(raw, "out-of-range", format!("`dihedral` must lie between 0 and 45 degrees, it is {angle}")),
         });
-        Some(MeshOptions { ratio: ratio?.unwrap_or(MeshOptions::default().ratio), dihedral: dihedral? })
+        let thresholds = self.thresholds(&node);
+        Some(MeshOptions {
+            ratio: ratio?.unwrap_or(MeshOptions::default().ratio),
+            dihedral: dihedral?,
+            thresholds: thresholds?,
+        })
+    }
+
+    fn thresholds(&mut self, node: &ast::Mesh<'a>) -> Option<Thresholds> {
+        let angle = |r: &mut Self, name, field: Field<'a>| {
+            r.maybe(field, |r, raw| match r.degrees(name, raw)? {
+                angle if (0.0..=180.0).contains(&angle) => Some(angle),
+                angle => r.fail(raw, "out-of-range", format!("`{name}` must lie between 0 and 180 degrees, it is {angle}")),
+            })
+        };
+        let number = |r: &mut Self, name, field: Field<'a>| {
+            r.maybe(field, |r, raw| match r.plain(name, raw)? {
+                number if number > 0.0 => Some(number),
+                number => r.fail(raw, "out-of-range", format!("`{name}` must be positive, it is {number}")),
+            })
+        };
+        let min_dihedral = angle(self, "min_dihedral", node.min_dihedral);
+        let min_angle = angle(self, "min_angle", node.min_angle);
+        let max_ratio = number(self, "max_ratio", node.max_ratio);
+        let max_aspect = number(self, "max_aspect", node.max_aspect);
+        let max_condition = number(self, "max_condition", node.max_condition);
+        Some(Thresholds {
+            min_dihedral: min_dihedral?,
+            max_ratio: max_ratio?,
+            max_aspect: max_aspect?,
+            min_angle: min_angle?,
+            max_condition: max_condition?,
+        })
     }
 
     /// A tolerance: a fraction of the model's size.

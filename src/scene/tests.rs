@@ -169,7 +169,7 @@ fn motions_act_from_the_inside_out_and_exactly() {
 #[test]
 fn settings_of_the_inside_win() {
     let text = r#"Scene(units: "mm", discretization: (segments: 8), triangulated: true, max_deviation: "0.1 cm", remesh: Full,
-        patches: BSpline, mesh: (ratio: 1.4), parts: [
+        patches: BSpline, mesh: (ratio: 1.4, min_dihedral: 3, max_ratio: "2*2"), parts: [
         Part(name: "a", solid: Sphere(radius: 1)),
         Part(name: "b", solid: Sphere(radius: 2), discretization: (max_angle: 30), triangulated: false, max_volume: "1 mm^3"),
         Part(name: "c", solid: Sphere(radius: 3, discretization: (segments: 40)), discretization: (segments: 9)),
@@ -181,7 +181,8 @@ fn settings_of_the_inside_win() {
     assert_eq!(divisions, [(Some(8), None, true), (None, thirty, false), (Some(40), None, true)]);
     assert_eq!(scene.parts[PartId(1)].max_volume, Some(1.0));
     assert_eq!(scene.remesh, RemeshOptions { mode: RemeshMode::Full, patches: PatchMode::BSpline, max_deviation: Some(1.0) });
-    assert_eq!(scene.mesh, MeshOptions { ratio: 1.4, dihedral: None });
+    let thresholds = Thresholds { min_dihedral: Some(3.0), max_ratio: Some(4.0), ..Thresholds::default() };
+    assert_eq!(scene.mesh, MeshOptions { ratio: 1.4, dihedral: None, thresholds });
 }
 
 #[test]

@@ -25,7 +25,7 @@ pub fn explain(
 ) -> Vec<Diagnostic> {
     let mut summary = Diagnostic::error("tetgen-failed", format!("TetGen made no valid mesh in {} attempts", attempts.len()));
     for a in attempts {
-        summary = summary.hint(format!("{} (TetGen {}): {}", a.place, a.version, a.verdict));
+        summary = summary.hint(format!("{a} (TetGen {}): {}", a.version, a.verdict));
     }
     let searched = search(input, programs, options).unwrap_or_default();
     let mut findings = findings(input, logs.iter().map(String::as_str).chain([searched.as_str()]));

@@ -9,7 +9,7 @@ use crate::diag::{Diagnostic, Outcome};
 use crate::io::mesh::{Mesh, RegionNumber};
 use crate::io::poly;
 use crate::plc::Plc;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::fmt;
 use std::path::Path;
 use std::time::Duration;
@@ -63,6 +63,8 @@ pub struct Meshed {
 pub struct Attempt {
     /// What was done to the complex.
     pub place: Place,
+    /// Whether TetGen was told to keep nearly coplanar facets apart.
+    pub is_apart: bool,
     /// Version of the program.
     pub version: String,
     /// What came of it.
@@ -71,15 +73,16 @@ pub struct Attempt {
     pub seconds: f64,
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for Attempt {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match self {
-            Self::AsIs => write!(f, "as it is"),
-            Self::Unmerged => write!(f, "as it is, nearly coplanar facets kept apart"),
-            Self::Turned(_) => write!(f, "turned into its main axes and back"),
-            Self::Bent(amount, _) => write!(f, "bent by {amount:e} and back"),
-            Self::Moved(amount, _) => write!(f, "vertices moved by {amount:e} of the size"),
+        match self.place {
+            Place::AsIs => write!(f, "as it is")?,
+            Place::Turned(_) => write!(f, "turned into its main axes and back")?,
+            Place::Bent(amount, _) => write!(f, "bent by {amount:e} and back")?,
+            Place::Split => write!(f, "strips as triangles")?,
+            Place::Moved(amount, _) => write!(f, "vertices moved by {amount:e} of the size")?,
         }
+        if self.is_apart { write!(f, ", nearly coplanar facets kept apart") } else { Ok(()) }
     }
 }
 
@@ -90,27 +93,37 @@ impl fmt::Display for Place {
 pub fn mesh(input: &Input, programs: &[Program], options: &Options) -> Outcome<Meshed> {
     let mut attempts = Vec::new();
     let mut logs = Vec::new();
-    for (program, place) in rungs(input, programs) {
+    let mut rungs: VecDeque<Rung> = rungs(input, programs).into();
+    while let Some(rung) = rungs.pop_front() {
+        let Rung { program, place, is_apart } = &rung;
         if matches!(place, Place::Moved(..)) && !place.is_valid(input) {
             continue;
         }
-        let (result, run) = match attempt(input, program, &place, options) {
+        let (result, run) = match attempt(input, &rung, options) {
             Ok(done) => done,
             Err(e) => return Err(vec![Diagnostic::error("no-tetgen", format!("{}: {e}", program.path.display()))]),
         };
         let verdict = match &result {
             Ok(_) => "good".to_string(),
-            Err(faults) => faults.first().cloned().unwrap_or_default(),
+            Err(Failure::Died(why)) => why.clone(),
+            Err(Failure::Differs(faults)) => faults.first().cloned().unwrap_or_default(),
         };
-        attempts.push(Attempt { place: place.clone(), version: program.version.clone(), verdict, seconds: run.seconds });
-        if let Ok(mesh) = result {
-            let moved = if let Place::Moved(amount, _) = place { amount } else { 0.0 };
-            let volumes = input.volumes(&place::vertices_after(&place, input));
-            return Ok(Meshed { mesh, program: program.clone(), attempts, volumes, moved });
+        let version = program.version.clone();
+        attempts.push(Attempt { place: place.clone(), is_apart: *is_apart, version, verdict, seconds: run.seconds });
+        match result {
+            Ok(mesh) => {
+                let moved = if let Place::Moved(amount, _) = *place { amount } else { 0.0 };
+                let volumes = input.volumes(&place::vertices_after(place, input));
+                return Ok(Meshed { mesh, program: (*program).clone(), attempts, volumes, moved });
+            }
+            // Moved triangles of one plane that are kept apart would enclose nothing but slivers.
+            Err(Failure::Differs(_)) if !is_apart && !matches!(place, Place::Moved(..)) => {
+                rungs.push_front(Rung { is_apart: true, ..rung })
+            }
+            Err(_) => {}
         }
-        let is_too_large = run.ending == Ending::OutOfTime;
         logs.push(run.log);
-        if is_too_large {
+        if run.ending == Ending::OutOfTime {
             return Err(vec![too_slow(options)]);
         }
     }
@@ -124,38 +137,62 @@ fn too_slow(options: &Options) -> Diagnostic {
         .hint("thin gaps and small angles cost most: a gap of a hundredth of its width needs about ten thousand tetrahedra")
 }
 
+/// An attempt to be made.
+struct Rung<'a> {
+    program: &'a Program,
+    place: Place,
+    /// TetGen merges facets within about 1e-7 of one plane (doubly curved surfaces, finely divided) to one of another volume; where
+    /// that is what went wrong, it is told not to. Never first: it costs tetrahedra.
+    is_apart: bool,
+}
+
 /// The attempts in order.
-fn rungs<'a>(input: &Input, programs: &'a [Program]) -> Vec<(&'a Program, Place)> {
+fn rungs<'a>(input: &Input, programs: &'a [Program]) -> Vec<Rung<'a>> {
     let Some((usual, newer)) = programs.split_first() else { return Vec::new() };
+    let rung = |program, place| Rung { program, place, is_apart: false };
     // A complex that lies askew meshes worse as it is even where TetGen survives: coplanar facets are not merged.
-    let mut rungs: Vec<_> = Place::turned(input).into_iter().map(|p| (usual, p)).collect();
-    rungs.push((usual, Place::AsIs));
-    rungs.push((usual, Place::Unmerged));
-    rungs.extend(BENDS.map(|(amount, seed)| (usual, Place::Bent(amount, seed))));
-    rungs.extend(newer.iter().map(|program| (program, Place::AsIs)));
-    rungs.extend(MOVES.map(|(amount, seed)| (usual, Place::Moved(amount, seed))));
+    let mut rungs: Vec<_> = Place::turned(input).into_iter().map(|p| rung(usual, p)).collect();
+    rungs.push(rung(usual, Place::AsIs));
+    rungs.extend(BENDS.map(|(amount, seed)| rung(usual, Place::Bent(amount, seed))));
+    rungs.push(rung(usual, Place::Split));
+    rungs.extend(newer.iter().map(|program| rung(program, Place::AsIs)));
+    rungs.extend(MOVES.map(|(amount, seed)| rung(usual, Place::Moved(amount, seed))));
     rungs
 }
 
-type Judged = Result<Mesh, Vec<String>>;
+/// Why an attempt does not count.
+enum Failure {
+    /// TetGen did not finish, or wrote no mesh.
+    Died(String),
+    /// It wrote a mesh of something else: what is wrong, a sentence each.
+    Differs(Vec<String>),
+}
 
-fn attempt(input: &Input, program: &Program, place: &Place, options: &Options) -> std::io::Result<(Judged, child::Run)> {
+type Judged = Result<Mesh, Failure>;
+
+fn attempt(input: &Input, rung: &Rung, options: &Options) -> std::io::Result<(Judged, child::Run)> {
+    let Rung { program, place, is_apart } = rung;
     let folder = Folder::new()?;
     let plc = limited(place.apply(input), options, place.distortion());
     std::fs::write(folder.path().join("m.poly"), poly::to_text(&plc, None))?;
     let stall = STALL + STALL_PER_VERTEX * plc.vertices.len() as u32;
     let limits = Limits { time: options.time, stall, memory: options.memory };
-    let run = child::run(&program.path, &[&switches(&plc, options, place), "m.poly"], folder.path(), &limits)?;
+    let run = child::run(
+        &program.path,
+        &[&switches(&plc, options, place.distortion(), *is_apart), "m.poly"],
+        folder.path(),
+        &limits,
+    )?;
     Ok((judge(input, place, &run, folder.path()), run))
 }
 
 /// TetGen's switches: quality, volumes where seeds have any, region numbers.
-fn switches(plc: &Plc, options: &Options, place: &Place) -> String {
+fn switches(plc: &Plc, options: &Options, distortion: f64, is_apart: bool) -> String {
     // Four: a ratio of two lengths, each of which may be off by the distortion, to first order, and once more for the shape.
-    let ratio = options.ratio / (1.0 + 4.0 * place.distortion());
+    let ratio = options.ratio / (1.0 + 4.0 * distortion);
     let volumes = if plc.seeds.iter().any(|s| s.max_volume.is_some()) { "a" } else { "" };
     let dihedral = if options.dihedral > 0.0 { format!("/{}", options.dihedral) } else { String::new() };
-    let apart = if *place == Place::Unmerged { "M" } else { "" };
+    let apart = if is_apart { "M" } else { "" };
     format!("-pq{ratio}{dihedral}A{volumes}{apart}")
 }
 
@@ -169,18 +206,19 @@ fn limited(mut plc: Plc, options: &Options, distortion: f64) -> Plc {
 }
 
 fn judge(input: &Input, place: &Place, run: &child::Run, folder: &Path) -> Judged {
+    let died = |why: String| Err(Failure::Died(why));
     match run.ending {
         Ending::Clean => {}
-        Ending::Code(code) => return Err(vec![format!("exit code {code}")]),
-        Ending::Signal(6) => return Err(vec!["aborted".into()]),
-        Ending::Signal(11) => return Err(vec!["segmentation fault".into()]),
-        Ending::Signal(signal) => return Err(vec![format!("died of signal {signal}")]),
-        Ending::OutOfTime => return Err(vec![format!("out of time after {:.0} s", run.seconds)]),
-        Ending::Stalled => return Err(vec![format!("endless loop, stopped after {:.0} s", run.seconds)]),
+        Ending::Code(code) => return died(format!("exit code {code}")),
+        Ending::Signal(6) => return died("aborted".into()),
+        Ending::Signal(11) => return died("segmentation fault".into()),
+        Ending::Signal(signal) => return died(format!("died of signal {signal}")),
+        Ending::OutOfTime => return died(format!("out of time after {:.0} s", run.seconds)),
+        Ending::Stalled => return died(format!("endless loop, stopped after {:.0} s", run.seconds)),
     }
-    let mut mesh = read::read(&folder.join("m")).map_err(|fault| vec![fault.message])?;
+    let mut mesh = read::read(&folder.join("m")).map_err(|fault| Failure::Died(fault.message))?;
     place.restore(&input.plc, &mut mesh);
-    verify::verify(&mesh, input, &place::vertices_after(place, input))?;
+    verify::verify(&mesh, input, &place::vertices_after(place, input)).map_err(Failure::Differs)?;
     mesh.regions = input.regions.iter().map(|(r, label)| (*r, label.name.clone())).collect();
     mesh.markers = input.markers.clone();
     mesh.drop_unused_nodes();

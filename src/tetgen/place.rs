@@ -15,19 +15,20 @@ use std::collections::BTreeMap;
 const EQUAL: f64 = 1e-12;
 /// Normals count as parallel or perpendicular to this angle, in radians: small facets have less exact normals.
 const PARALLEL: f64 = 1e-7;
+/// Larger facets stay whole where strips are split: their diagonals, kept as segments, would cost tetrahedra, and their needles shape.
+const STRIP_CORNERS: usize = 4;
 
 /// A change of the vertices.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Place {
     /// None.
     AsIs,
-    /// None; but TetGen is told to keep facets apart that are nearly coplanar (doubly curved surfaces, finely divided), which it
-    /// would otherwise merge to facets of another volume.
-    Unmerged,
     /// Into a frame (rows are its axes) in which most facets are parallel to an axis.
     Turned(Matrix3<f64>),
     /// By a linear map near the identity; a fraction of the size, and which of many.
     Bent(f64, u64),
+    /// None; strips fall apart into their two triangles, which TetGen 1.6 does not lose.
+    Split,
     /// Each vertex at random by at most a fraction of the size; facets fall apart into their triangles. Not undone.
     Moved(f64, u64),
 }
@@ -44,13 +45,14 @@ impl Place {
     pub fn apply(&self, input: &Input) -> Plc {
         let plc = &input.plc;
         match *self {
-            Self::AsIs | Self::Unmerged => plc.clone(),
+            Self::AsIs => plc.clone(),
             Self::Turned(axes) => {
                 let mut turned = mapped(plc, &axes, &center(plc));
                 equalise(&mut turned.vertices, EQUAL * plc.size());
                 turned
             }
             Self::Bent(amount, seed) => mapped(plc, &bend(amount, seed), &center(plc)),
+            Self::Split => split(input, STRIP_CORNERS),
             Self::Moved(amount, seed) => moved(input, amount * plc.size(), seed),
         }
     }
@@ -63,7 +65,7 @@ impl Place {
     /// Puts the nodes of a result back. Those that were vertices get their coordinates bit for bit, except when they were moved.
     pub fn restore(&self, given: &Plc, mesh: &mut Mesh) {
         let inverse = match *self {
-            Self::AsIs | Self::Unmerged | Self::Moved(..) => None,
+            Self::AsIs | Self::Split | Self::Moved(..) => None,
             Self::Turned(axes) => Some(axes.transpose()),
             Self::Bent(amount, seed) => bend(amount, seed).try_inverse(),
         };
@@ -110,18 +112,28 @@ fn bend(amount: f64, seed: u64) -> Matrix3<f64> {
     Matrix3::identity() + Matrix3::from_fn(|_, _| amount * random.symmetric())
 }
 
-/// Each vertex moved, every facet as its triangles: four corners of a polygon would not be planar any more.
-fn moved(input: &Input, distance: f64, seed: u64) -> Plc {
-    let mut random = Random(seed);
+/// Facets of up to so many corners as their triangles.
+fn split(input: &Input, corners: usize) -> Plc {
     let mut plc = input.plc.clone();
-    // A cube inside the ball of that radius.
-    plc.vertices.iter_mut().for_each(|p| *p += Vec3::from_fn(|_, _| random.symmetric()) * (distance / 3f64.sqrt()));
     let facets = input.plc.facets.iter().zip(&input.triangles);
     plc.facets = facets
         .flat_map(|(f, triangles)| {
-            triangles.iter().map(|t| PlcFacet { polygons: vec![t.to_vec()], holes: Vec::new(), marker: f.marker })
+            if f.polygons.iter().map(Vec::len).sum::<usize>() > corners {
+                return vec![f.clone()];
+            }
+            let triangle = |t: &[u32; 3]| PlcFacet { polygons: vec![t.to_vec()], holes: Vec::new(), marker: f.marker };
+            triangles.iter().map(triangle).collect()
         })
         .collect();
+    plc
+}
+
+/// Each vertex moved, every facet as its triangles: four corners of a polygon would not be planar any more.
+fn moved(input: &Input, distance: f64, seed: u64) -> Plc {
+    let mut random = Random(seed);
+    let mut plc = split(input, usize::MAX);
+    // A cube inside the ball of that radius.
+    plc.vertices.iter_mut().for_each(|p| *p += Vec3::from_fn(|_, _| random.symmetric()) * (distance / 3f64.sqrt()));
     plc
 }
 

@@ -9,6 +9,14 @@ use std::collections::BTreeMap;
 /// Largest relative difference of a region's volume or a marker's area from the complex.
 pub const TOLERANCE: f64 = 1e-9;
 
+/// A tetrahedron whose volume is a smaller fraction of its longest edge cubed has no usable element matrix: to a solver it is flat.
+const LEAST_THICKNESS: f64 = 1e-13;
+
+fn thickness([a, b, c, d]: &[Vec3; 4]) -> f64 {
+    let longest = [b - a, c - a, d - a, c - b, d - b, d - c].iter().map(Vec3::norm_squared).fold(0.0, f64::max);
+    (b - a).cross(&(c - a)).dot(&(d - a)).abs() / (6.0 * longest * longest.sqrt())
+}
+
 /// Compares a mesh with the complex it was made from, whose vertices are now `vertices`: every region's volume, every marker's
 /// area, and that no tetrahedron is flat or turned over. The tetrahedra must be in TetGen's order of corners.
 ///
@@ -23,8 +31,9 @@ pub fn verify(mesh: &Mesh, input: &Input, vertices: &[Vec3]) -> Result<(), Vec<S
     // TetGen orders all tetrahedra alike; which way is a matter of its version.
     let usual = mesh.tets.first().map_or(1, sign);
     let flat = mesh.tets.iter().filter(|t| sign(t) != usual || usual == 0).count();
-    if flat > 0 {
-        faults.push(format!("{flat} tetrahedra are flat or turned over"));
+    let thin = mesh.tets.iter().filter(|t| thickness(&mesh.tet_points(t)) < LEAST_THICKNESS).count();
+    if flat.max(thin) > 0 {
+        faults.push(format!("{} tetrahedra are flat or turned over", flat.max(thin)));
     }
     let name = |r: u32| input.regions.get(&r).map_or_else(|| format!("region {r}"), |label| format!("`{}`", label.name));
     let volumes = mesh.volumes().into_iter().map(|(r, v)| (r, v.abs())).collect();
