@@ -16,7 +16,7 @@
 //! | arrangement | cuts triangles exactly over interned implicit points | `arrangement/{broad_phase,intersect,graph,crossings,subdivide,coincide}.rs`, signs in `point.rs`, `exact.rs` |
 //! | classify | sorts pieces around edges, spreads labels from one ray per component | `classify/{edges,labels,raycast}.rs` |
 //! | select | folds the decision table, gives names, merges pieces to polygons | `select/{table,decide,markers,merge}.rs` |
-//! | round | dissolves, rounds, triangulates, verifies, numbers regions | `round/{dissolve,collapse,facets,regions,freedom}.rs` |
+//! | round | dissolves, rounds, triangulates, numbers regions, verifies, repairs | `round/{dissolve,collapse,facets,regions,repair,freedom}.rs` |
 //!
 //! # Departures from the thesis
 //! All operands at once instead of pairs (2.2.4); exact signs, which the thesis gave up as too slow (6.1); labels on both sides
@@ -25,7 +25,8 @@
 //! facets needed are removed at the end instead of never made (4.1).
 //!
 //! # Rounding
-//! The last step is verified: a result that rounding to `f64` would break is refused by name, never written.
+//! The last step is verified. Where rounding to `f64` breaks what was decided, the rounded facets are cut against each other and
+//! rounded again (`round/repair.rs`); what is still broken after a few rounds is refused by name, never written.
 
 mod findings;
 mod size;
@@ -38,7 +39,7 @@ use crate::diag::{Diagnostic, Outcome};
 use crate::ids::LeafId;
 use crate::primitive::solid::Solid;
 use crate::report::timing::Timings;
-use crate::round::{self, Rounded};
+use crate::round::{self, Repairs, Rounded};
 use crate::scene::model::Scene;
 use crate::select;
 
@@ -49,6 +50,8 @@ pub struct Evaluation {
     pub complex: Complex,
     /// Counts of the arrangement.
     pub statistics: Statistics,
+    /// What rounding took.
+    pub repairs: Repairs,
     /// What may not be meant.
     pub warnings: Vec<Diagnostic>,
 }
@@ -73,7 +76,9 @@ pub fn evaluate(scene: &Scene, solids: &[Solid], timings: &mut Timings) -> Outco
     warnings.extend(findings::empty_parts(scene, &selected)?);
     let rounded = timings.measure("round", || round::round(selected, &arrangement, solids, tolerance, size)).map_err(single)?;
     match rounded {
-        Rounded::Valid(complex) => Ok(Evaluation { complex, statistics: arrangement.statistics, warnings }),
+        Rounded::Valid { complex, repairs } => {
+            Ok(Evaluation { complex, statistics: arrangement.statistics, repairs, warnings })
+        }
         Rounded::Broken { complex, violations } => Err(findings::broken(scene, &complex, &violations)),
     }
 }
