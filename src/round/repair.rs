@@ -83,7 +83,12 @@ fn add(winding: &mut Winding, region: RegionId, turns: i32) {
 }
 
 /// The region of each shell.
-fn regions(complex: &Complex, arrangement: &Arrangement, shells: &[[u32; 2]], count: usize) -> Result<Vec<RegionId>, Diagnostic> {
+fn regions(
+    complex: &Complex,
+    arrangement: &Arrangement,
+    shells: &[[u32; 2]],
+    count: usize,
+) -> Result<Vec<RegionId>, Diagnostic> {
     let cells = &arrangement.cells;
     let mut sets = UnionFind::new(count);
     let mut around: Vec<(u32, u32)> = Vec::with_capacity(2 * shells.len());
@@ -146,7 +151,12 @@ fn largest(arrangement: &Arrangement, shells: &[[u32; 2]], component: &[u32], co
 }
 
 /// Which owner a piece is a piece of, and its name.
-fn lineage(complex: &Complex, arrangement: &Arrangement, cell: usize, sides: [RegionId; 2]) -> Result<(u32, MarkerId), Diagnostic> {
+fn lineage(
+    complex: &Complex,
+    arrangement: &Arrangement,
+    cell: usize,
+    sides: [RegionId; 2],
+) -> Result<(u32, MarkerId), Diagnostic> {
     let owners = arrangement.cells.owners_of(cell);
     let marker_of = |o: &Owner| complex.facets[FacetId(o.leaf.0)].marker;
     let mut parts = sides.map(|r| complex.regions[r].part);
