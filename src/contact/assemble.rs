@@ -26,7 +26,7 @@ pub(super) fn assemble(body: &Body, sheets: &Sheets, tolerance: f64, names: Name
             Some(s) if s.is_plain() => {
                 cells::plain(f, sheets.outlines[s.reference as usize].loops.clone(), &body.points).map(|d| vec![d])
             }
-            Some(s) => cells::trace(s, &sheets.outlines, &body.points),
+            Some(s) => cells::trace(s, &sheets.outlines, &body.points, tolerance),
         };
         drafts.map_err(|t| (f, t))
     };

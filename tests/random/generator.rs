@@ -6,15 +6,22 @@ pub const REACH: f64 = 16.0;
 const GRID: usize = 6;
 
 /// A sequence of numbers from a seed (SplitMix64: Steele, Lea, Flood 2014).
-pub struct Generator(u64);
+///
+/// All round solids of a scene have as many segments, since coaxial ones are divided alike and would change with the company.
+pub struct Generator {
+    state: u64,
+    segments: u64,
+}
 
 impl Generator {
     pub fn new(seed: u64) -> Self {
-        Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15))
+        let mut new = Self { state: seed.wrapping_mul(0x9E37_79B9_7F4A_7C15), segments: 6 };
+        new.segments = [6, 8, 12, 16][new.below(4) as usize];
+        new
     }
     fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        self.state = self.state.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let z = (self.state ^ (self.state >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
         z ^ (z >> 31)
     }
@@ -70,7 +77,7 @@ impl Generator {
 
     fn primitive(&mut self) -> String {
         let (r, h) = (self.round(1, 2), self.round(1, 3));
-        let round = format!("discretization: (segments: {})", [6, 8, 12, 16][self.below(4) as usize]);
+        let round = format!("discretization: (segments: {})", self.segments);
         match self.below(11) {
             0 | 1 => format!("Block(size: ({:?}, {:?}, {h:?}), center: (0, 0, 0))", self.round(1, 3), self.round(1, 3)),
             2 => format!("Prism(sides: {}, radius: {r:?}, height: {h:?})", 3 + self.below(5)),
