@@ -4,6 +4,8 @@
 //! (`file:line:column: error[code]: message`, names, coordinates, hints) or as JSON.
 
 use serde::Serialize;
+use std::collections::BTreeMap;
+use std::fmt::{self, Display};
 
 /// How bad it is.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Serialize)]
@@ -76,5 +78,101 @@ impl Diagnostic {
     }
 }
 
+/// How messages call something of the scene, and where it is written.
+#[derive(Clone, Debug, Default)]
+pub struct Name {
+    /// Its name and what it belongs to.
+    pub text: String,
+    /// Its first character.
+    pub span: Span,
+}
+
+impl Display for Name {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+/// Diagnostics of which those about the same things are told once: the first, with the number of places.
+#[derive(Debug)]
+pub struct Tally<K> {
+    found: BTreeMap<K, (usize, Diagnostic, usize)>,
+}
+
+impl<K> Default for Tally<K> {
+    fn default() -> Self {
+        Self { found: BTreeMap::new() }
+    }
+}
+
+impl<K: Ord> Tally<K> {
+    /// Adds a diagnostic about the things named by `key`.
+    pub fn add(&mut self, key: K, make: impl FnOnce() -> Diagnostic) {
+        let order = self.found.len();
+        self.found.entry(key).or_insert_with(|| (order, make(), 0)).2 += 1;
+    }
+    /// How many are told.
+    pub fn len(&self) -> usize {
+        self.found.len()
+    }
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.found.is_empty()
+    }
+    /// In the order in which they were found.
+    pub fn finish(self) -> Vec<Diagnostic> {
+        let mut found: Vec<_> = self.found.into_values().collect();
+        found.sort_by_key(|f| f.0);
+        let told = |(_, mut d, count): (usize, Diagnostic, usize)| {
+            if count > 1 {
+                d.message += &format!(" (the first of {count} places)");
+            }
+            d
+        };
+        found.into_iter().map(told).collect()
+    }
+}
+
+/// A number for a message: six significant digits, with an exponent only where that is shorter.
+pub fn short(x: f64) -> String {
+    let text = format!("{x:.5e}");
+    let Some((mantissa, exponent)) = text.split_once('e') else { return text };
+    let power: i32 = exponent.parse().unwrap_or(0);
+    let trim = |s: &str| if s.contains('.') { s.trim_end_matches('0').trim_end_matches('.').to_owned() } else { s.to_owned() };
+    if (-4..6).contains(&power) {
+        return trim(&format!("{x:.decimals$}", decimals = (5 - power).max(0) as usize));
+    }
+    format!("{}e{exponent}", trim(mantissa))
+}
+
 /// The outcome of a stage that may find several errors; warnings go to a separate list.
 pub type Outcome<T> = Result<T, Vec<Diagnostic>>;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_in_messages_have_six_digits() {
+        for (x, text) in [
+            (1.7320508075688772e-9, "1.73205e-9"),
+            (1e-12, "1e-12"),
+            (0.994872465, "0.994872"),
+            (8419.650298496512, "8419.65"),
+            (3.0223143721030964e23, "3.02231e23"),
+            (-250.0, "-250"),
+        ] {
+            assert_eq!(short(x), text);
+        }
+    }
+
+    #[test]
+    fn what_is_said_twice_is_counted() {
+        let mut tally = Tally::default();
+        for key in ["b", "a", "b", "b"] {
+            tally.add(key, || Diagnostic::error("code", key));
+        }
+        let said: Vec<String> = tally.finish().into_iter().map(|d| d.message).collect();
+        assert_eq!(said, ["b (the first of 3 places)", "a"]);
+    }
+}

@@ -16,7 +16,7 @@
 //! | arrangement | cuts triangles exactly over interned implicit points | `arrangement/{broad_phase,intersect,graph,crossings,subdivide,coincide}.rs`, signs in `point.rs`, `exact.rs` |
 //! | classify | sorts pieces around edges, spreads labels from one ray per component | `classify/{edges,labels,raycast}.rs` |
 //! | select | folds the decision table, gives names, merges pieces to polygons | `select/{table,decide,markers,merge}.rs` |
-//! | round | dissolves, rounds, triangulates, verifies, numbers regions | `round/{dissolve,collapse,facets,regions,freedom}.rs` |
+//! | round | dissolves, rounds, triangulates, numbers regions, verifies, repairs | `round/{dissolve,collapse,facets,regions,repair,freedom}.rs` |
 //!
 //! # Departures from the thesis
 //! All operands at once instead of pairs (2.2.4); exact signs, which the thesis gave up as too slow (6.1); labels on both sides
@@ -24,8 +24,13 @@
 //! from the start, so the rows of Table 2.4 that kill second copies are not needed; diagonals and vertices that only killed
 //! facets needed are removed at the end instead of never made (4.1).
 //!
+//! # Tolerance
+//! Where contacts cannot be resolved within the tolerance (a chain of them reaches further, a part is thinner), a thousandth and
+//! a millionth of it are tried; what was wrong is then told as warnings. What none can resolve is refused by name.
+//!
 //! # Rounding
-//! The last step is verified: a result that rounding to `f64` would break is refused by name, never written.
+//! The last step is verified. Where rounding to `f64` breaks what was decided, the rounded facets are cut against each other and
+//! rounded again (`round/repair.rs`); what is still broken after a few rounds is refused by name, never written.
 
 mod findings;
 mod size;
@@ -33,12 +38,12 @@ mod size;
 use crate::arrangement::{self, Statistics};
 use crate::brep::complex::Complex;
 use crate::classify;
-use crate::contact;
+use crate::contact::{self, conforming::Conforming};
 use crate::diag::{Diagnostic, Outcome};
 use crate::ids::LeafId;
 use crate::primitive::solid::Solid;
 use crate::report::timing::Timings;
-use crate::round::{self, Rounded};
+use crate::round::{self, Repairs, Rounded};
 use crate::scene::model::Scene;
 use crate::select;
 
@@ -49,9 +54,15 @@ pub struct Evaluation {
     pub complex: Complex,
     /// Counts of the arrangement.
     pub statistics: Statistics,
+    /// What rounding took.
+    pub repairs: Repairs,
     /// What may not be meant.
     pub warnings: Vec<Diagnostic>,
 }
+
+/// Parts of the scene's tolerance that are tried where contacts cannot be resolved with it: features of about its size are
+/// clearly larger than a thousandth of it; the last is down to the rounding of the coordinates.
+const FINER: [f64; 2] = [1e-3, 1e-6];
 
 /// From leaf solids to the complex.
 ///
@@ -61,11 +72,9 @@ pub struct Evaluation {
 pub fn evaluate(scene: &Scene, solids: &[Solid], timings: &mut Timings) -> Outcome<Evaluation> {
     let single = |d: Diagnostic| vec![d];
     let size = size::of(scene, solids);
-    let tolerance = scene.tolerance * size;
-    let own: Vec<Option<f64>> = scene.leaves.iter().map(|l| l.tolerance.map(|t| t * size)).collect();
-    let name = |leaf: LeafId| findings::leaf_name(scene, leaf);
-    let conforming = timings.measure("contact", || contact::conform(solids, tolerance, &own, &name))?;
-    let mut warnings = timings.measure("gaps", || findings::gaps(scene, solids, &conforming))?;
+    let (conforming, mut warnings) = timings.measure("contact", || conform(scene, solids, size))?;
+    let tolerance = conforming.tolerance;
+    warnings.extend(timings.measure("gaps", || findings::gaps(scene, solids, &conforming))?);
     let arrangement = timings.measure("arrangement", || arrangement::arrange(&conforming));
     let classified = timings.measure("classify", || classify::classify(&arrangement)).map_err(single)?;
     let selected = timings.measure("select", || select::select(scene, solids, &arrangement, &classified));
@@ -73,8 +82,31 @@ pub fn evaluate(scene: &Scene, solids: &[Solid], timings: &mut Timings) -> Outco
     warnings.extend(findings::empty_parts(scene, &selected)?);
     let rounded = timings.measure("round", || round::round(selected, &arrangement, solids, tolerance, size)).map_err(single)?;
     match rounded {
-        Rounded::Valid(complex) => Ok(Evaluation { complex, statistics: arrangement.statistics, warnings }),
+        Rounded::Valid { complex, repairs } => {
+            Ok(Evaluation { complex, statistics: arrangement.statistics, repairs, warnings })
+        }
         Rounded::Broken { complex, violations } => Err(findings::broken(scene, &complex, &violations)),
+    }
+}
+
+/// Welds and imprints with the tolerance of the scene, or where features come near it with a smaller one.
+fn conform(scene: &Scene, solids: &[Solid], size: f64) -> Outcome<(Conforming, Vec<Diagnostic>)> {
+    let name = |leaf: LeafId| findings::leaf_name(scene, leaf);
+    let asked = scene.tolerance * size;
+    let attempt = |share: f64| {
+        let own: Vec<Option<f64>> = scene.leaves.iter().map(|l| l.tolerance.map(|t| share * t * size)).collect();
+        contact::conform(solids, share * asked, &own, &name)
+    };
+    let faults = match attempt(1.0) {
+        Ok(conforming) => return Ok((conforming, Vec::new())),
+        Err(faults) => faults,
+    };
+    match FINER.iter().find_map(|&share| attempt(share).ok()) {
+        Some(conforming) => {
+            let warnings = findings::finer(faults, asked, conforming.tolerance);
+            Ok((conforming, warnings))
+        }
+        None => Err(faults),
     }
 }
 

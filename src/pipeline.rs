@@ -10,6 +10,7 @@ use crate::plc::{self, Plc};
 use crate::primitive;
 use crate::remesh;
 use crate::report::timing::Timings;
+use crate::round::Repairs;
 use crate::scene::{self, Limits, model::Scene};
 use std::path::Path;
 
@@ -27,6 +28,8 @@ pub struct Model {
     pub manifest: Manifest,
     /// Counts of the arrangement.
     pub statistics: Statistics,
+    /// How often rounding was repaired.
+    pub repairs: Repairs,
     /// What may not be meant.
     pub warnings: Vec<Diagnostic>,
     /// How long the stages took.
@@ -46,11 +49,11 @@ pub fn run(path: &Path, overrides: &[(String, String)], mut timings: Timings) ->
 fn build(scene: Scene, mut warnings: Vec<Diagnostic>, mut timings: Timings) -> Outcome<Model> {
     let solids = timings.measure("primitive", || primitive::build(&scene))?;
     let evaluation = evaluate::evaluate(&scene, &solids, &mut timings)?;
-    let statistics = evaluation.statistics;
+    let (statistics, repairs) = (evaluation.statistics, evaluation.repairs);
     warnings.extend(evaluation.warnings);
     let complex = timings.measure("remesh", || remesh::remesh(evaluation.complex, &scene.remesh, &scene.parts))?;
     let plc = timings.measure("plc", || plc::build::build(&complex, &scene.parts))?;
     let measures = timings.measure("measure", || measure::measure(&complex));
     let manifest = Manifest::new(&scene, &complex, &measures, &plc);
-    Ok(Model { scene, complex, measures, plc, manifest, statistics, warnings, timings })
+    Ok(Model { scene, complex, measures, plc, manifest, statistics, repairs, warnings, timings })
 }

@@ -6,7 +6,7 @@ use super::cells::{self, Draft, Tangled};
 use super::conforming::{Cell, Conforming, Owner};
 use super::sheets::Sheets;
 use super::weld::{MAX_MESSAGES, NumberMap};
-use crate::diag::{Diagnostic, Outcome};
+use crate::diag::{Diagnostic, Outcome, Tally};
 use crate::geom::polygon;
 use rayon::prelude::*;
 
@@ -26,13 +26,13 @@ pub(super) fn assemble(body: &Body, sheets: &Sheets, tolerance: f64, names: Name
             Some(s) if s.is_plain() => {
                 cells::plain(f, sheets.outlines[s.reference as usize].loops.clone(), &body.points).map(|d| vec![d])
             }
-            Some(s) => cells::trace(s, &sheets.outlines, &body.points),
+            Some(s) => cells::trace(s, &sheets.outlines, &body.points, tolerance),
         };
         drafts.map_err(|t| (f, t))
     };
     let drafts: Vec<_> =
         if starts.len() >= PARALLEL_FROM { starts.par_iter().map(draft).collect() } else { starts.iter().map(draft).collect() };
-    let mut errors = Vec::new();
+    let mut errors = Tally::default();
     let mut all = Collector::default();
     for (mut found, &start) in drafts.into_iter().zip(&starts) {
         found.iter_mut().flatten().for_each(|d| d.sheet = start);
@@ -40,12 +40,11 @@ pub(super) fn assemble(body: &Body, sheets: &Sheets, tolerance: f64, names: Name
             // What has no contact cannot coincide with anything.
             Ok(list) if sheets.slot[start as usize] == u32::MAX => all.drafts.extend(list),
             Ok(list) => list.into_iter().for_each(|d| all.add(d, body)),
-            Err((facet, tangled)) if errors.len() < MAX_MESSAGES => errors.push(unresolved(body, facet, tangled, names)),
-            Err(_) => {}
+            Err((facet, tangled)) => errors.add(body.leaf(facet), || unresolved(body, facet, tangled, names)),
         }
     }
     if !errors.is_empty() {
-        return Err(errors);
+        return Err(errors.finish().into_iter().take(MAX_MESSAGES).collect());
     }
     Ok(finish(body, all.drafts, tolerance))
 }
@@ -53,6 +52,7 @@ pub(super) fn assemble(body: &Body, sheets: &Sheets, tolerance: f64, names: Name
 fn unresolved(body: &Body, facet: u32, tangled: Tangled, names: Names) -> Diagnostic {
     let name = names(body.leaf(facet));
     Diagnostic::error("contact-unresolved", format!("what touches a facet of {name} crosses itself within the tolerance"))
+        .at(name.span)
         .near(body.points[tangled.point as usize])
         .hint("features or gaps near this place are about as large as the `tolerance`: choose a smaller or larger one")
 }

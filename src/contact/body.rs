@@ -2,7 +2,7 @@
 
 use super::outline::sides;
 use super::weld::{self, PointGrid, Welded};
-use crate::diag::Outcome;
+use crate::diag::{Name, Outcome};
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
 use crate::ids::LeafId;
@@ -13,7 +13,7 @@ use crate::primitive::solid::Solid;
 const SMALLEST_TOLERANCE_ULPS: f64 = 4.0;
 
 /// How leaves are called in messages.
-pub(super) type Names<'a> = &'a dyn Fn(LeafId) -> String;
+pub(super) type Names<'a> = &'a dyn Fn(LeafId) -> Name;
 
 /// All leaves: facet f of leaf l has the number `first_facet[l] + f`.
 pub(super) struct Body<'a> {

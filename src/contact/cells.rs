@@ -1,7 +1,7 @@
 //! A sheet to its cells: one constrained triangulation over all its edges, whose pieces are the cells.
 
 use super::cuts;
-use super::outline::{Outline, sides};
+use super::outline::{Outline, passes, sides};
 use super::sheets::Sheet;
 use crate::geom::Vec3;
 use crate::geom::polygon;
@@ -45,8 +45,8 @@ pub(super) fn plain(facet: u32, loops: Vec<Vec<u32>>, points: &[Vec3]) -> Result
 }
 
 /// The cells of a sheet, counter-clockwise about the normal of its reference facet. O(n log n) in its edges, plus the owners.
-pub(super) fn trace(sheet: &Sheet, outlines: &[Outline], points: &[Vec3]) -> Result<Vec<Draft>, Tangled> {
-    if let Some(drafts) = cuts::cut(sheet, outlines, points) {
+pub(super) fn trace(sheet: &Sheet, outlines: &[Outline], points: &[Vec3], tolerance: f64) -> Result<Vec<Draft>, Tangled> {
+    if let Some(drafts) = cuts::cut(sheet, outlines, points, tolerance) {
         return Ok(drafts);
     }
     let reference = &outlines[sheet.reference as usize];
@@ -58,7 +58,9 @@ pub(super) fn trace(sheet: &Sheet, outlines: &[Outline], points: &[Vec3]) -> Res
     vertices.sort_unstable();
     vertices.dedup();
     let mut cdt = triangulate(&vertices, &edges, reference.projection, points)?;
-    add_chords(&mut cdt, &sheet.chords, &vertices);
+    add_chords(&mut cdt, &sheet.chords, &vertices, |v, [a, b]| {
+        passes(&[a, b].map(|k| points[vertices[k] as usize]), &points[vertices[v] as usize], tolerance)
+    });
     let pieces = Pieces::new(&cdt);
     let labels = label(&cdt, &pieces, &borders, &vertices);
     let mut drafts: Vec<Draft> = labels
@@ -135,14 +137,25 @@ fn triangulate(vertices: &[u32], edges: &[[u32; 2]], projection: Projection, poi
     Ok(cdt)
 }
 
-/// Adds the chords that cross nothing; the exact arrangement cuts the others.
-fn add_chords(cdt: &mut Cdt, chords: &[[u32; 2]], vertices: &[u32]) {
+/// Adds the chords that cross nothing; the exact arrangement cuts the others. A chord past a vertex that `is_on` it goes through
+/// that vertex: beside it, a needle would be left that rounding turns over.
+fn add_chords(cdt: &mut Cdt, chords: &[[u32; 2]], vertices: &[u32], is_on: impl Fn(usize, [usize; 2]) -> bool) {
     let mut chords = chords.to_vec();
     chords.sort_unstable();
     chords.dedup();
-    for ends in chords {
-        if let [Ok(a), Ok(b)] = ends.map(|v| vertices.binary_search(&v)) {
-            cdt.try_add_constraint(FixedVertexHandle::from_index(a), FixedVertexHandle::from_index(b));
+    let slots = chords.iter().rev().map(|c| c.map(|v| vertices.binary_search(&v)));
+    let mut rest: Vec<[usize; 2]> = slots.filter_map(|c| if let [Ok(a), Ok(b)] = c { Some([a, b]) } else { None }).collect();
+    while let Some(ends) = rest.pop() {
+        let [a, b] = ends.map(FixedVertexHandle::from_index);
+        let [new] = cdt.try_add_constraint(a, b)[..] else { continue };
+        // Of all vertices on its side, the one nearest to lying on the chord makes a triangle with it.
+        let chord = cdt.directed_edge(new);
+        let apexes =
+            [chord, chord.rev()].into_iter().filter_map(|e| Some(e.next().to().fix().index()).filter(|_| !e.is_outer_edge()));
+        let passed = apexes.into_iter().find(|&v| is_on(v, ends));
+        if let Some(v) = passed {
+            cdt.remove_constraint_edge(new.as_undirected());
+            rest.extend([[ends[0], v], [v, ends[1]]]);
         }
     }
 }

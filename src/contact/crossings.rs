@@ -3,7 +3,7 @@
 use super::body::{Body, Names};
 use super::candidates::PARALLEL_FROM;
 use super::edges::EdgeSet;
-use crate::diag::{Diagnostic, Outcome};
+use crate::diag::{Diagnostic, Name, Outcome};
 use crate::geom::Vec3;
 use crate::geom::bvh::Bvh;
 use rayon::prelude::*;
@@ -63,15 +63,16 @@ pub(super) fn connect(body: &mut Body, set: &mut EdgeSet, pairs: &[[u32; 2]], na
         }
         set.sort();
     }
-    let leaves = meetings.first().map_or(vec![], |m| m.edges.map(|e| body_name(set, e, names)).to_vec());
+    let [a, b] = meetings.first().map_or(Default::default(), |m| m.edges.map(|e| body_name(set, e, names)));
     Err(vec![
-        Diagnostic::error("contact-unresolved", format!("contacts spread without end, beginning at {}", leaves.join(" and ")))
+        Diagnostic::error("contact-unresolved", format!("contacts spread without end, beginning at {a} and {b}"))
+            .at(a.span)
             .hint("edges lie nearly along each other at about the tolerance: choose another `tolerance`"),
     ])
 }
 
-fn body_name(set: &EdgeSet, edge: u32, names: Names) -> String {
-    set.leaves(edge).first().map_or(String::new(), |&l| names(crate::ids::LeafId(l)))
+fn body_name(set: &EdgeSet, edge: u32, names: Names) -> Name {
+    set.leaves(edge).first().map_or(Name::default(), |&l| names(crate::ids::LeafId(l)))
 }
 
 fn meetings(body: &Body, set: &EdgeSet, pairs: &[[u32; 2]]) -> Vec<Meeting> {

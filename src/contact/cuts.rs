@@ -1,7 +1,7 @@
 //! The usual sheet without a triangulation of the whole: one convex facet that is cut from side to side.
 
 use super::cells::{Draft, plain};
-use super::outline::Outline;
+use super::outline::{Outline, passes};
 use super::sheets::Sheet;
 use crate::geom::Vec3;
 
@@ -9,7 +9,7 @@ use crate::geom::Vec3;
 const MAX_CUTS: usize = 16;
 
 /// The cells of a sheet of one convex facet that only segments from side to side lie on; `None` if it is another.
-pub(super) fn cut(sheet: &Sheet, outlines: &[Outline], points: &[Vec3]) -> Option<Vec<Draft>> {
+pub(super) fn cut(sheet: &Sheet, outlines: &[Outline], points: &[Vec3], tolerance: f64) -> Option<Vec<Draft>> {
     let outline = &outlines[sheet.reference as usize];
     let is_simple = sheet.members.len() == 1 && sheet.lone.is_empty();
     if !is_simple || sheet.segments.len() + sheet.chords.len() > MAX_CUTS || !outline.is_convex(points) {
@@ -19,8 +19,16 @@ pub(super) fn cut(sheet: &Sheet, outlines: &[Outline], points: &[Vec3]) -> Optio
     if !sheet.segments.iter().all(|&ends| divide(&mut walks, ends)) {
         return None;
     }
-    for &ends in &sheet.chords {
-        divide(&mut walks, ends);
+    let mut chords = sheet.chords.clone();
+    while let Some([a, b]) = chords.pop() {
+        let line = [a, b].map(|v| points[v as usize]);
+        let is_passed = |v: &&u32| passes(&line, &points[**v as usize], tolerance);
+        // A chord past a corner goes through that corner: beside it, a needle would be left that rounding turns over.
+        let walk = walks.iter().find(|w| w.contains(&a) && w.contains(&b));
+        match walk.and_then(|w| w.iter().find(is_passed)) {
+            Some(&v) => chords.extend([[a, v], [v, b]]),
+            None => drop(divide(&mut walks, [a, b])),
+        }
     }
     walks.into_iter().map(|walk| plain(outline.facet, vec![walk], points).ok()).collect()
 }

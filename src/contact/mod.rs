@@ -43,7 +43,7 @@ mod weld;
 
 pub use gaps::{GAP, Gap, nearly_touching};
 
-use crate::diag::Outcome;
+use crate::diag::{Name, Outcome};
 use crate::ids::LeafId;
 use crate::primitive::solid::Solid;
 use conforming::Conforming;
@@ -64,7 +64,7 @@ pub fn conform(
     solids: &[Solid],
     tolerance: f64,
     leaf_tolerance: &[Option<f64>],
-    names: &dyn Fn(LeafId) -> String,
+    names: &dyn Fn(LeafId) -> Name,
 ) -> Outcome<Conforming> {
     let mut body = body::Body::new(solids, tolerance, leaf_tolerance, names)?;
     let pairs = candidates::facet_pairs(&body, |a, b| sheets::CHAIN_REACH * body.tolerance(a, b));

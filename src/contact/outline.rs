@@ -120,6 +120,12 @@ fn is_within([a, b]: &[Vec3; 2], x: &Vec3, tolerance: f64) -> bool {
     (x - (a + d * s)).norm_squared() <= tolerance * tolerance
 }
 
+/// Whether a segment passes a place within `tolerance`, so that it may go through it in two shorter pieces.
+pub(super) fn passes(ends: &[Vec3; 2], x: &Vec3, tolerance: f64) -> bool {
+    let length = (ends[1] - ends[0]).norm();
+    is_within(ends, x, tolerance) && ends.iter().all(|e| e != x && (e - x).norm() < length)
+}
+
 /// Directed edges of loops.
 pub(super) fn sides(loops: &[Vec<u32>]) -> impl Iterator<Item = [u32; 2]> + '_ {
     loops.iter().flat_map(|w| (0..w.len()).map(move |k| [w[k], w[(k + 1) % w.len()]]))

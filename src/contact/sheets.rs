@@ -6,7 +6,7 @@ use super::chords;
 use super::edges::EdgeSet;
 use super::outline::Outline;
 use super::weld::{MAX_MESSAGES, chain};
-use crate::diag::{Diagnostic, Outcome};
+use crate::diag::{Diagnostic, Outcome, Tally};
 use rayon::prelude::*;
 
 /// Facets belong to one sheet if they lie within this part of the tolerance of its plane: two of them are then within the
@@ -227,7 +227,7 @@ fn chains(body: &Body, outlines: &[Outline], landed: &[Landing], misses: &[(u32,
     let mut on: Vec<(u32, u32)> =
         landed.iter().filter_map(|l| if let What::Point(p) = l.what { Some((p, l.on)) } else { None }).collect();
     on.sort_unstable();
-    let mut errors = Vec::new();
+    let mut errors = Tally::default();
     for &(point, far) in misses {
         let place = body.points[point as usize];
         let first = on.partition_point(|o| o.0 < point);
@@ -236,12 +236,12 @@ fn chains(body: &Body, outlines: &[Outline], landed: &[Landing], misses: &[(u32,
             let foot = place - near.normal * near.height(&place);
             let leaves = [near, far].map(|o| body.leaf_of_facet[o.facet as usize]);
             if leaves[0] != leaves[1] && far.height(&foot).abs() <= body.tolerance(leaves[0], leaves[1]) {
-                errors.push(chain(leaves.map(|l| l as usize), &[place], names));
+                errors.add(leaves, || chain(leaves.map(|l| l as usize), &[place], names));
             }
         }
         if errors.len() >= MAX_MESSAGES {
             break;
         }
     }
-    errors
+    errors.finish()
 }

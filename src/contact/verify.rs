@@ -3,7 +3,7 @@
 use super::body::{Body, Names};
 use super::conforming::Conforming;
 use super::weld::MAX_MESSAGES;
-use crate::diag::{Diagnostic, Outcome};
+use crate::diag::{Diagnostic, Outcome, short};
 use crate::geom::Vec3;
 use crate::geom::polygon::vector_area;
 use crate::ids::LeafId;
@@ -42,9 +42,10 @@ pub(super) fn verify(body: &Body, conforming: &Conforming, names: Names) -> Outc
         if (after[leaf] - before).abs() > slack || open[leaf].norm() * size > slack.max(area * size * VOLUME_ERROR) {
             let name = names(LeafId(leaf as u32));
             let message =
-                format!("contact changes {name} by more than the tolerance: volume {before:e} becomes {:e}", after[leaf]);
+                format!("contact changes the volume of {name} by {}, more than the tolerance", short(after[leaf] - before));
             errors.push(
                 Diagnostic::error("contact-changes-leaf", message)
+                    .at(name.span)
                     .near(origins[leaf])
                     .hint("a part is thinner than the `tolerance` or its facets are not planar: choose a smaller one"),
             );

@@ -1,7 +1,7 @@
 //! Vertices of different leaves within the tolerance become one point.
 
 use super::body::Names;
-use crate::diag::{Diagnostic, Outcome};
+use crate::diag::{Diagnostic, Outcome, Tally, short};
 use crate::geom::Vec3;
 use crate::ids::LeafId;
 use crate::primitive::solid::Solid;
@@ -111,7 +111,7 @@ pub(super) fn weld(solids: &[Solid], tolerances: &[f64], names: Names) -> Outcom
     let mut point_of_vertex = Vec::with_capacity(count);
     // Last leaf with a vertex at each point: leaves come in order, so it tells whether this leaf has one already.
     let mut last_leaf: Vec<u32> = Vec::with_capacity(count);
-    let mut errors = Vec::new();
+    let mut errors = Tally::default();
     for (leaf, solid) in solids.iter().enumerate() {
         for vertex in &solid.vertices {
             let p = vertex.point;
@@ -129,10 +129,10 @@ pub(super) fn weld(solids: &[Solid], tolerances: &[f64], names: Names) -> Outcom
                 points.push(p);
                 last_leaf.push(leaf as u32);
             } else if last_leaf[point as usize] == leaf as u32 {
-                errors.push(small_feature(leaf, &p, &points[point as usize], tolerances[leaf], names));
+                errors.add([leaf, leaf], || small_feature(leaf, &p, &points[point as usize], tolerances[leaf], names));
             } else if is_chain {
                 let other = last_leaf[point as usize] as usize;
-                errors.push(chain([leaf, other], &[p, points[point as usize]], names));
+                errors.add([leaf, other], || chain([leaf, other], &[p, points[point as usize]], names));
             } else {
                 last_leaf[point as usize] = leaf as u32;
             }
@@ -141,11 +141,11 @@ pub(super) fn weld(solids: &[Solid], tolerances: &[f64], names: Names) -> Outcom
             }
             point_of_vertex.push(point);
             if errors.len() >= MAX_MESSAGES {
-                return Err(errors);
+                return Err(errors.finish());
             }
         }
     }
-    if errors.is_empty() { Ok(Welded { points, point_of_vertex, grid }) } else { Err(errors) }
+    if errors.is_empty() { Ok(Welded { points, point_of_vertex, grid }) } else { Err(errors.finish()) }
 }
 
 fn small_feature(leaf: usize, p: &Vec3, q: &Vec3, tolerance: f64, names: Names) -> Diagnostic {
@@ -153,8 +153,9 @@ fn small_feature(leaf: usize, p: &Vec3, q: &Vec3, tolerance: f64, names: Names) 
     let distance = (p - q).norm();
     Diagnostic::error(
         "feature-below-tolerance",
-        format!("two vertices of {name} are {distance:e} apart, less than the tolerance {tolerance:e}"),
+        format!("two vertices of {name} are {} apart, less than the tolerance {}", short(distance), short(tolerance)),
     )
+    .at(name.span)
     .near(*q)
     .near(*p)
     .hint("remove the feature or choose a smaller `tolerance`")
@@ -166,6 +167,6 @@ pub(super) fn chain(leaves: [usize; 2], places: &[Vec3], names: Names) -> Diagno
     let message = format!("{a} and {b} belong to a chain of contacts that is longer than the tolerance");
     places
         .iter()
-        .fold(Diagnostic::error("contact-chain", message), |d, p| d.near(*p))
+        .fold(Diagnostic::error("contact-chain", message).at(a.span), |d, p| d.near(*p))
         .hint("move the parts so that they touch or stay clearly apart, or choose another `tolerance`")
 }

@@ -4,7 +4,7 @@ use crate::arrangement::Arrangement;
 use crate::brep::complex::Complex;
 use crate::classify::Classified;
 use crate::contact::{self, conforming::Conforming};
-use crate::diag::{Diagnostic, Outcome};
+use crate::diag::{Diagnostic, Name, Outcome, Severity, short};
 use crate::geom::Vec3;
 use crate::geom::embedding::Violation;
 use crate::geom::polygon;
@@ -26,13 +26,28 @@ fn users(scene: &Scene, leaf: LeafId) -> Vec<PartId> {
 }
 
 /// How messages call a leaf.
-pub fn leaf_name(scene: &Scene, leaf: LeafId) -> String {
-    let line = scene.leaves[leaf].span.line;
+pub fn leaf_name(scene: &Scene, leaf: LeafId) -> Name {
+    let span = scene.leaves[leaf].span;
     let what = scene.leaves[leaf].name.as_ref().map_or("a solid".to_owned(), |n| format!("`{n}`"));
-    match users(scene, leaf).first() {
-        Some(&part) => format!("{what} of part `{}` (line {line})", scene.parts[part].name),
-        None => format!("{what} (line {line})"),
-    }
+    let text = match users(scene, leaf).first() {
+        Some(&part) => format!("{what} of part `{}` (line {})", scene.parts[part].name, span.line),
+        None => format!("{what} (line {})", span.line),
+    };
+    Name { text, span }
+}
+
+/// Contacts that are resolved with a smaller tolerance only: what was wrong with the one that was asked for.
+pub fn finer(faults: Vec<Diagnostic>, asked: f64, taken: f64) -> Vec<Diagnostic> {
+    let soften = |mut d: Diagnostic| {
+        d.severity = Severity::Warning;
+        d.hints = vec![format!(
+            "the tolerance {} is taken instead of {}: touching parts further apart stay apart",
+            short(taken),
+            short(asked)
+        )];
+        d
+    };
+    faults.into_iter().map(soften).collect()
 }
 
 /// Parts that come near without touching: warnings, or errors if the scene forbids them.
@@ -134,6 +149,7 @@ pub fn broken(scene: &Scene, complex: &Complex, violations: &[Violation]) -> Vec
         );
         out.push(
             Diagnostic::error("rounding", text)
+                .at(a.span)
                 .near(violation.point)
                 .hint("move one of them by more than the contact tolerance, or raise `tolerance` so that they touch"),
         );

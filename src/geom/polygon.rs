@@ -74,7 +74,11 @@ pub fn triangulate(
     triangulate_general(loops, chains, lone, flat)
 }
 
-/// A convex quadrilateral, by far the most frequent polygon (strips), cut along its shorter diagonal.
+/// A corner of a quadrilateral is nearly straight if its triangle has less than this part of the area.
+const STRAIGHT: f64 = 1e-6;
+
+/// A convex quadrilateral, by far the most frequent polygon (strips), cut along its shorter diagonal; at a corner that is nearly
+/// straight, since a needle there would stand on the plane in any way that rounding likes.
 fn split_quad([a, b, c, d]: [u32; 4], flat: impl Fn(u32) -> [f64; 2]) -> Option<[[u32; 3]; 2]> {
     let turn = |i, j, k| orient2d(flat(i), flat(j), flat(k));
     if turn(a, b, c) <= 0 || turn(b, c, d) <= 0 || turn(c, d, a) <= 0 || turn(d, a, b) <= 0 {
@@ -86,7 +90,17 @@ fn split_quad([a, b, c, d]: [u32; 4], flat: impl Fn(u32) -> [f64; 2]) -> Option<
     };
     // Ties (rectangles) go by vertex number, so that both owners of a shared facet cut it alike.
     let (ac, bd) = (length(a, c), length(b, d));
-    let along_ac = if ac == bd { a.min(c) < b.min(d) } else { ac < bd };
+    let area = |i, j, k| {
+        let [p, q, r] = [i, j, k].map(&flat);
+        ((q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])).abs()
+    };
+    let straightest = |one: [u32; 3], other: [u32; 3]| area(one[0], one[1], one[2]).min(area(other[0], other[1], other[2]));
+    let (at_ac, at_bd) = (straightest([d, a, b], [b, c, d]), straightest([a, b, c], [c, d, a]));
+    let along_ac = match at_ac.min(at_bd) < STRAIGHT * at_ac.max(at_bd) {
+        true => at_ac < at_bd,
+        false if ac == bd => a.min(c) < b.min(d),
+        false => ac < bd,
+    };
     Some(if along_ac { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] })
 }
 

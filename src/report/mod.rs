@@ -16,6 +16,7 @@ use crate::brep::complex::Complex;
 use crate::diag::Diagnostic;
 use crate::io::manifest::{Counts, MarkerEntry, RegionEntry};
 use crate::pipeline::Model;
+use crate::round::Repairs;
 use quality::Distribution;
 use serde::Serialize;
 use timing::StageTime;
@@ -45,6 +46,8 @@ pub struct Report {
     pub quality: Option<Distribution>,
     /// What the exact arrangement did.
     pub arrangement: Statistics,
+    /// How often rounding was repaired.
+    pub repairs: Repairs,
     /// What is worth a warning.
     pub warnings: Vec<Diagnostic>,
     /// Stages in order.
@@ -69,6 +72,7 @@ impl Report {
             interfaces: m.markers.clone(),
             quality: quality_of(&model.complex),
             arrangement: model.statistics,
+            repairs: model.repairs,
             warnings: model.warnings.clone(),
             timings: model.timings.stages.clone(),
             total: model.timings.total(),

@@ -2,6 +2,8 @@
 
 use crate::geom::Vec3;
 use crate::geom::hash::IndexMap;
+use crate::geom::polygon;
+use crate::geom::predicates::Projection;
 
 /// Facets' loops over rounded vertices.
 pub type Loops = Vec<Vec<Vec<u32>>>;
@@ -27,13 +29,13 @@ pub fn weld(mut facets: Loops, places: &[Vec3], explicit: usize, reach: f64) -> 
         *v = vertex(*v);
     }
     for facet in &mut facets {
-        tidy(facet);
+        tidy(facet, &points);
     }
     (points, facets)
 }
 
-/// Drops what collapsed in one facet.
-fn tidy(facet: &mut Vec<Vec<u32>>) {
+/// Drops what collapsed in one facet. A hole or a slit that collapsed to a line or a point is a place where something touches.
+fn tidy(facet: &mut Vec<Vec<u32>>, points: &[Vec3]) {
     let is_proper = |walk: &Vec<u32>| {
         let n = walk.len();
         n >= 3 && (0..n).all(|k| walk[k] != walk[(k + 1) % n] && walk[k] != walk[(k + 2) % n])
@@ -41,20 +43,44 @@ fn tidy(facet: &mut Vec<Vec<u32>>) {
     if facet.iter().all(is_proper) {
         return;
     }
-    let was: Vec<usize> = facet.iter().map(Vec::len).collect();
+    let mut touching: Vec<Vec<u32>> = Vec::new();
     for walk in facet.iter_mut() {
-        *walk = without_spikes(std::mem::take(walk));
+        let first = walk[0];
+        let is_point = walk.iter().all(|&v| v == first);
+        *walk = without_spikes(std::mem::take(walk), &mut touching);
+        if is_point {
+            touching.push(vec![first]);
+        }
     }
     if facet.first().is_some_and(|outer| outer.len() < 3) {
         facet.clear();
         return;
     }
-    // A hole that collapsed is still a place where something touches, and is found as such by the exact test.
-    let mut k = 0;
-    facet.retain(|walk| {
-        k += 1;
-        walk.len() >= 3 || was[k - 1] <= 2
-    });
+    facet.retain(|walk| walk.len() >= 3);
+    touching.iter_mut().for_each(|t| t.sort_unstable());
+    touching.sort_unstable_by_key(|t| (std::cmp::Reverse(t.len()), t.clone()));
+    touching.dedup();
+    let is_inside = within(facet, points);
+    for found in touching {
+        let middle = found.iter().map(|&v| points[v as usize]).sum::<Vec3>() / found.len() as f64;
+        let is_known = found.len() == 1 && facet.iter().any(|walk| walk.contains(&found[0]));
+        if !is_known && is_inside(&middle) {
+            facet.push(found);
+        }
+    }
+}
+
+/// Tells whether a place in the plane of a polygon is inside of it, to rounding.
+fn within(loops: &[Vec<u32>], points: &[Vec3]) -> impl Fn(&Vec3) -> bool + use<> {
+    let projection = Projection::along(&polygon::vector_area(loops.iter().map(|l| &l[..]), points));
+    let ends = loops.iter().flat_map(|l| (0..l.len()).map(|k| [l[k], l[(k + 1) % l.len()]]));
+    let edges: Vec<[[f64; 2]; 2]> = ends.map(|e| e.map(|v| projection.apply(&points[v as usize]))).collect();
+    move |place| {
+        let [x, y] = projection.apply(place);
+        let is_left =
+            |[a, b]: &&[[f64; 2]; 2]| (a[1] > y) != (b[1] > y) && x < a[0] + (b[0] - a[0]) * (y - a[1]) / (b[1] - a[1]);
+        edges.iter().filter(is_left).count() % 2 == 1
+    }
 }
 
 /// For every used place the place that represents it.
@@ -93,10 +119,11 @@ fn number_places(facets: &Loops, places: &[Vec3], explicit: usize, reach: f64) -
     number
 }
 
-/// Drops repeated neighbours and steps back and forth.
-fn without_spikes(walk: Vec<u32>) -> Vec<u32> {
+/// Drops repeated neighbours and steps back and forth, which are added to `spikes`.
+fn without_spikes(walk: Vec<u32>, spikes: &mut Vec<Vec<u32>>) -> Vec<u32> {
     if walk.len() <= 2 {
-        return walk;
+        spikes.push(walk);
+        return Vec::new();
     }
     let mut out: Vec<u32> = Vec::with_capacity(walk.len());
     for v in walk {
@@ -104,7 +131,7 @@ fn without_spikes(walk: Vec<u32>) -> Vec<u32> {
             continue;
         }
         if out.len() >= 2 && out[out.len() - 2] == v {
-            out.pop();
+            spikes.extend(out.pop().map(|tip| vec![v, tip]));
             continue;
         }
         out.push(v);
@@ -113,15 +140,16 @@ fn without_spikes(walk: Vec<u32>) -> Vec<u32> {
         let n = out.len();
         if n > 1 && out[0] == out[n - 1] {
             out.pop();
-        } else if n > 2 && (out[1] == out[n - 1] || out[0] == out[n - 2]) {
-            if out[1] == out[n - 1] {
-                out.remove(0);
-                out.pop();
-            } else {
-                out.pop();
-                out.pop();
-            }
+        } else if n > 2 && out[1] == out[n - 1] {
+            out.pop();
+            spikes.push(vec![out.remove(0), out[0]]);
+        } else if n > 2 && out[0] == out[n - 2] {
+            spikes.extend(out.pop().map(|tip| vec![out[0], tip]));
+            out.pop();
         } else {
+            if n == 2 {
+                spikes.push(std::mem::take(&mut out));
+            }
             return out;
         }
     }
@@ -140,8 +168,21 @@ mod tests {
     }
 
     #[test]
+    fn a_hole_that_collapses_is_a_touching_point_and_an_inner_slit_a_touching_edge() {
+        let p = |x: f64, y: f64| Vec3::new(x, y, 0.0);
+        let places =
+            [p(0., 0.), p(8., 0.), p(8., 8.), p(0., 8.), p(6., 6.), p(6., 6.), p(6., 6.), p(2., 2.), p(0., 0.), p(9., 0.)];
+        let square = vec![0, 1, 9, 1, 2, 3, 8, 7];
+        let (_, loops) = weld(vec![vec![square, vec![4, 5, 6]]], &places, 4, 1e-15);
+        assert_eq!(loops[0], vec![vec![0, 1, 3, 4], vec![0, 5], vec![6]]);
+    }
+
+    #[test]
     fn spikes_go() {
-        assert_eq!(without_spikes(vec![0, 1, 2, 1, 3]), vec![0, 1, 3]);
-        assert!(without_spikes(vec![0, 1, 0, 1]).len() < 3);
+        assert_eq!(without_spikes(vec![0, 1, 2, 1, 3], &mut Vec::new()), vec![0, 1, 3]);
+        assert!(without_spikes(vec![0, 1, 0, 1], &mut Vec::new()).len() < 3);
+        let mut spikes = Vec::new();
+        assert_eq!(without_spikes(vec![4, 0, 1, 3, 0], &mut spikes), vec![0, 1, 3]);
+        assert_eq!(spikes, vec![vec![4, 0]]);
     }
 }

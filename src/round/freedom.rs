@@ -1,6 +1,5 @@
 //! Degrees of freedom of the vertices (thesis 4.3), from the surfaces that meet there.
 
-use crate::arrangement::Arrangement;
 use crate::brep::complex::Complex;
 use crate::geom::Vec3;
 use crate::geom::hash::IndexMap;
@@ -8,7 +7,7 @@ use crate::primitive::solid::{Freedom, Solid};
 
 /// Corners of the leaves stay fixed; else one surface around a vertex lets it move on it, two on their common curve (an
 /// intersection line if they belong to different leaves), more not at all.
-pub fn assign(complex: &mut Complex, arrangement: &Arrangement, solids: &[Solid], places: &[Vec3]) {
+pub fn assign(complex: &mut Complex, solids: &[Solid]) {
     let key = |p: &Vec3| [p.x + 0.0, p.y + 0.0, p.z + 0.0].map(f64::to_bits);
     let mut corners: IndexMap<[u64; 3], ()> = IndexMap::default();
     for solid in solids {
@@ -16,7 +15,6 @@ pub fn assign(complex: &mut Complex, arrangement: &Arrangement, solids: &[Solid]
             corners.insert(key(&v.point), ());
         }
     }
-    debug_assert_eq!(places.len(), arrangement.points.len());
     let mut around: Vec<(u32, u32)> = Vec::new();
     for facet in &complex.facets {
         around.extend(facet.loops.iter().flatten().map(|v| (v.0, facet.surface.0)));

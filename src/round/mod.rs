@@ -8,24 +8,26 @@
 //!    of another vertex become that vertex, and facets that collapse go (`collapse`).
 //! 3. `facets`: every polygon is triangulated over its vertices; a polygon that is not planar to rounding (contact moved its
 //!    vertices within the tolerance) is written as its triangles.
-//! 4. The triangles are tested exactly against each other (`geom::embedding`). What fails is reported to the caller, which repairs
-//!    it (`crate::evaluate`): a broken complex is never returned.
-//! 5. `regions`: volumes are joined across nested components by exact rays, and numbered.
+//! 4. The triangles are tested exactly against each other (`geom::embedding`). `regions`: volumes are joined across nested
+//!    components by exact rays, and numbered.
+//! 5. `repair`: where the test fails, the rounded triangles are cut against each other and rounded again. What fails in the end is
+//!    reported to the caller: a broken complex is never taken for a valid one.
 
 mod collapse;
 mod dissolve;
 mod facets;
 mod freedom;
 mod regions;
+mod repair;
 
 use crate::arrangement::Arrangement;
 use crate::brep::complex::{Complex, ComplexFacet, ComplexSurface, ComplexVertex, KilledFacet};
 use crate::diag::Diagnostic;
 use crate::geom::Vec3;
 use crate::geom::embedding::{self, Violation};
-use crate::ids::{Id, IdVec, LeafId, SurfaceId, VertexId};
+use crate::ids::{Id, IdVec, LeafId, RegionId, SurfaceId, VertexId};
 use crate::primitive::solid::{Freedom, Solid};
-use crate::select::Selected;
+use crate::select::{Selected, SelectedFacet};
 
 /// Units in the last place of the model's size (or of its distance from the origin, if that is larger: nothing finer can be
 /// written) within which a polygon's vertices lie in its plane.
@@ -37,7 +39,12 @@ const VIOLATION_LIMIT: usize = 64;
 /// A complex, or where rounding broke it.
 pub enum Rounded {
     /// Proved to be an embedding.
-    Valid(Complex),
+    Valid {
+        /// The complex.
+        complex: Complex,
+        /// What it took.
+        repairs: Repairs,
+    },
     /// Facets meet where they must not.
     Broken {
         /// Polygons with rounded vertices that make the broken complex.
@@ -45,6 +52,27 @@ pub enum Rounded {
         /// Some of the places.
         violations: Vec<Violation>,
     },
+}
+
+/// How often rounding had to be repaired.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct Repairs {
+    /// How often all facets were cut again; 0 almost always.
+    pub rounds: u32,
+    /// Pairs of triangles that rounding made meet, up to a limit.
+    pub contacts: usize,
+}
+
+/// Polygons over points that are not rounded yet.
+struct Draft {
+    /// What the facets are, without loops, and how many corners they have if nothing cuts them.
+    facets: Vec<(ComplexFacet, usize)>,
+    /// Their loops.
+    loops: collapse::Loops,
+    /// The nearest `f64` to every point.
+    places: Vec<Vec3>,
+    /// The first places, which are exact.
+    explicit: usize,
 }
 
 /// Rounds, triangulates, verifies and numbers.
@@ -57,41 +85,78 @@ pub fn round(
     tolerance: f64,
     size: f64,
 ) -> Result<Rounded, Diagnostic> {
-    let mut loops: Vec<Vec<Vec<u32>>> = selected.facets.iter_mut().map(|f| std::mem::take(&mut f.loops)).collect();
-    let places: Vec<Vec3> = (0..arrangement.points.len() as u32).map(|p| arrangement.points.at(p)).collect();
-    let reach = PLANAR_ULPS * f64::EPSILON * places.iter().fold(size, |m, p| m.max(p.amax()));
-    dissolve::dissolve(&mut loops, &places, tolerance.max(reach));
-    let (points, loops) = collapse::weld(loops, &places, arrangement.points.explicit_len(), reach);
-    let pieces = facets::triangulate(loops, &points, reach)?;
     let (surfaces, surface_of) = surface_table(solids);
+    let mut draft = draft(&mut selected, arrangement, solids, surface_of);
+    let reach = PLANAR_ULPS * f64::EPSILON * draft.places.iter().fold(size, |m, p| m.max(p.amax()));
+    dissolve::dissolve(&mut draft.loops, &draft.places, tolerance.max(reach));
     let mut complex = Complex { surfaces, markers: std::mem::take(&mut selected.markers), ..Default::default() };
-    let mut volumes = Vec::with_capacity(pieces.len());
-    for piece in pieces {
-        let facet = &selected.facets[piece.facet];
-        let solid_facet = &solids[facet.source.0.index()].facets[facet.source.1 as usize];
-        let corners = |l: &[Vec<u32>]| l.iter().map(Vec::len).sum::<usize>();
-        let is_modified = facet.is_partial || corners(&piece.loops) != corners(&solid_facet.loops);
-        complex.facets.push(ComplexFacet {
-            loops: piece.loops.into_iter().map(|l| l.into_iter().map(VertexId).collect()).collect(),
-            triangles: piece.triangles.into_iter().map(|t| t.map(VertexId)).collect(),
-            sides: [crate::ids::RegionId(0); 2],
-            surface: surface_of(facet.source),
-            source: facet.source,
-            marker: facet.marker,
-            is_modified,
-        });
-        volumes.push(facet.volumes);
+    fill(&mut complex, draft, reach)?;
+    regions::number(&mut complex, &selected.part_of_volume)?;
+    let mut violations = verify(&complex);
+    let mut repairs = Repairs { rounds: 0, contacts: violations.len() };
+    while !violations.is_empty() && repairs.rounds < repair::MAX_ROUNDS {
+        let Ok(draft) = repair::cut_again(&complex, reach) else { break };
+        fill(&mut complex, draft, reach)?;
+        violations = verify(&complex);
+        repairs.rounds += 1;
     }
-    complex.vertices = points.iter().map(|&point| ComplexVertex { point, freedom: Freedom::Fixed }).collect();
-    let flat: Vec<[u32; 3]> = complex.facets.iter().flat_map(|f| f.triangles.iter().map(|t| t.map(|v| v.0))).collect();
-    let violations = embedding::violations(&points, &flat, VIOLATION_LIMIT);
-    regions::number(&mut complex, &volumes, &selected.part_of_volume)?;
     if !violations.is_empty() {
         return Ok(Rounded::Broken { complex, violations });
     }
-    freedom::assign(&mut complex, arrangement, solids, &places);
-    complex.killed = killed(&selected, arrangement, &places);
-    Ok(Rounded::Valid(complex))
+    freedom::assign(&mut complex, solids);
+    complex.killed = killed(&selected, arrangement);
+    Ok(Rounded::Valid { complex, repairs })
+}
+
+/// The selected facets; their sides are volumes.
+fn draft(
+    selected: &mut Selected,
+    arrangement: &Arrangement,
+    solids: &[Solid],
+    surface_of: impl Fn((LeafId, u32)) -> SurfaceId,
+) -> Draft {
+    let loops: Vec<Vec<Vec<u32>>> = selected.facets.iter_mut().map(|f| std::mem::take(&mut f.loops)).collect();
+    let describe = |f: &SelectedFacet| {
+        let source = &solids[f.source.0.index()].facets[f.source.1 as usize];
+        let facet = ComplexFacet {
+            loops: Vec::new(),
+            triangles: Vec::new(),
+            sides: f.volumes.map(RegionId),
+            surface: surface_of(f.source),
+            source: f.source,
+            marker: f.marker,
+            is_modified: f.is_partial,
+        };
+        (facet, source.loops.iter().map(Vec::len).sum())
+    };
+    let facets = selected.facets.iter().map(describe).collect();
+    let places = (0..arrangement.points.len() as u32).map(|p| arrangement.points.at(p)).collect();
+    Draft { facets, loops, places, explicit: arrangement.points.explicit_len() }
+}
+
+/// Rounds and triangulates: vertices and facets of the complex become those of the draft.
+fn fill(complex: &mut Complex, draft: Draft, reach: f64) -> Result<(), Diagnostic> {
+    let (points, loops) = collapse::weld(draft.loops, &draft.places, draft.explicit, reach);
+    let facet = |piece: facets::Piece| {
+        let (facet, corners) = &draft.facets[piece.facet];
+        ComplexFacet {
+            is_modified: facet.is_modified || piece.loops.iter().map(Vec::len).sum::<usize>() != *corners,
+            loops: piece.loops.into_iter().map(|l| l.into_iter().map(VertexId).collect()).collect(),
+            triangles: piece.triangles.into_iter().map(|t| t.map(VertexId)).collect(),
+            ..facet.clone()
+        }
+    };
+    complex.facets = facets::triangulate(loops, &points, reach)?.into_iter().map(facet).collect::<Vec<_>>().into();
+    let vertex = |point| ComplexVertex { point, freedom: Freedom::Fixed };
+    complex.vertices = points.into_iter().map(vertex).collect::<Vec<_>>().into();
+    Ok(())
+}
+
+/// Where triangles meet that must not.
+fn verify(complex: &Complex) -> Vec<Violation> {
+    let points: Vec<Vec3> = complex.vertices.iter().map(|v| v.point).collect();
+    let flat: Vec<[u32; 3]> = complex.facets.iter().flat_map(|f| f.triangles.iter().map(|t| t.map(|v| v.0))).collect();
+    embedding::violations(&points, &flat, VIOLATION_LIMIT)
 }
 
 /// All surfaces of all leaves in order, and the surface of a leaf's facet.
@@ -109,7 +174,7 @@ fn surface_table(solids: &[Solid]) -> (IdVec<SurfaceId, ComplexSurface>, impl Fn
 }
 
 /// Dropped pieces of sampled surfaces (their supports are fitted): the triangles that they lay on.
-fn killed(selected: &Selected, arrangement: &Arrangement, places: &[Vec3]) -> Vec<KilledFacet> {
+fn killed(selected: &Selected, arrangement: &Arrangement) -> Vec<KilledFacet> {
     let mut out = Vec::new();
     let mut last = u32::MAX;
     for &cell in &selected.killed {
@@ -117,7 +182,7 @@ fn killed(selected: &Selected, arrangement: &Arrangement, places: &[Vec3]) -> Ve
         if std::mem::replace(&mut last, triangle) == triangle {
             continue;
         }
-        let corners = arrangement.input.triangles[triangle as usize].map(|v| places[v as usize]);
+        let corners = arrangement.input.triangles[triangle as usize].map(|v| arrangement.points.at(v));
         for owner in arrangement.cells.owners_of(cell as usize) {
             out.push(KilledFacet { source: (owner.leaf, owner.facet), triangle: corners });
         }

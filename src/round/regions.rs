@@ -5,7 +5,7 @@ use crate::diag::Diagnostic;
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
 use crate::geom::predicates::{Sign, orient3d};
-use crate::ids::{FacetId, IdVec, PartId, RegionId};
+use crate::ids::{FacetId, Id, IdVec, PartId, RegionId};
 
 /// Directions tried before giving up; each fails only if the ray meets an edge exactly.
 const TRIES: u64 = 64;
@@ -22,19 +22,20 @@ struct Shell {
     home: Option<usize>,
 }
 
-/// Numbers the regions: 0 outside, then by part and first facet, then voids; sets the sides of all facets.
-pub fn number(complex: &mut Complex, volumes: &[[u32; 2]], part_of_volume: &[Option<PartId>]) -> Result<(), Diagnostic> {
+/// Numbers the regions: 0 outside, then by part and first facet, then voids; the sides of all facets, until now volumes, become
+/// regions.
+pub fn number(complex: &mut Complex, part_of_volume: &[Option<PartId>]) -> Result<(), Diagnostic> {
     let mut shells: Vec<Shell> = Vec::new();
     let mut shell_of_volume = vec![usize::MAX; part_of_volume.len()];
-    for (facet, sides) in complex.facets.ids().zip(volumes) {
-        for (k, &volume) in sides.iter().enumerate() {
-            let slot = &mut shell_of_volume[volume as usize];
+    for (id, facet) in complex.facets.enumerate() {
+        for (k, volume) in facet.sides.iter().enumerate() {
+            let slot = &mut shell_of_volume[volume.index()];
             if *slot == usize::MAX {
                 *slot = shells.len();
-                let part = part_of_volume[volume as usize];
+                let part = part_of_volume[volume.index()];
                 shells.push(Shell { part, sides: Vec::new(), volume: 0.0, bounds: Aabb::EMPTY, home: None });
             }
-            shells[*slot].sides.push((facet, k == 0));
+            shells[*slot].sides.push((id, k == 0));
         }
     }
     for shell in &mut shells {
@@ -50,8 +51,8 @@ pub fn number(complex: &mut Complex, volumes: &[[u32; 2]], part_of_volume: &[Opt
     for &home in &homes {
         region_of[home] = regions.push(Region { part: shells[home].part });
     }
-    for (facet, sides) in complex.facets.iter_mut().zip(volumes) {
-        facet.sides = sides.map(|v| match shells[shell_of_volume[v as usize]].home {
+    for facet in complex.facets.iter_mut() {
+        facet.sides = facet.sides.map(|v| match shells[shell_of_volume[v.index()]].home {
             Some(home) => region_of[home],
             None => RegionId(0),
         });

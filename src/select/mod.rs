@@ -12,6 +12,8 @@ mod markers;
 mod merge;
 pub mod table;
 
+pub use merge::merge;
+
 use crate::arrangement::Arrangement;
 use crate::brep::complex::Marker;
 use crate::classify::Classified;
@@ -73,7 +75,7 @@ pub fn select(scene: &Scene, solids: &[Solid], arrangement: &Arrangement, classi
     let (markers, marker_of) =
         markers::assign(scene, solids, arrangement, &kept, |cell| volumes_of(cell).map(|v| part_of_volume[v as usize]));
     let source_of = sources(arrangement, classified, &decision, &kept);
-    let facets = merge::merge(arrangement, &classified.edges, &kept, &marker_of, &source_of, volumes_of);
+    let facets = merge(arrangement, &classified.edges, &kept, &marker_of, &source_of, volumes_of);
     Selected { facets, markers, killed, part_of_volume, overlaps: decision.overlaps }
 }
 

@@ -8,7 +8,7 @@ mod speed;
 
 use super::conform;
 use super::conforming::Conforming;
-use crate::diag::Outcome;
+use crate::diag::{Name, Outcome};
 use crate::geom::Vec3;
 use crate::ids::LeafId;
 use crate::primitive::solid::{Freedom, Shape, Solid, SolidFacet, SolidSurface, SolidVertex};
@@ -63,7 +63,10 @@ fn rotation(k: u32) -> Rotation3<f64> {
 }
 
 fn try_conform(solids: &[Solid], tolerance: f64) -> Outcome<Conforming> {
-    conform(solids, tolerance, &vec![None; solids.len()], &|l: LeafId| format!("leaf {}", l.0))
+    conform(solids, tolerance, &vec![None; solids.len()], &|l: LeafId| Name {
+        text: format!("leaf {}", l.0),
+        ..Name::default()
+    })
 }
 
 /// Conforms and checks every promise.
