@@ -1,18 +1,18 @@
 //! The usual sheet without a triangulation of the whole: one convex facet that is cut from side to side.
 
+use super::body::Body;
 use super::cells::{Draft, plain};
 use super::outline::Outline;
 use super::sheets::Sheet;
-use crate::geom::Vec3;
 
 /// Cuts above which the triangulation, which looks for nothing twice, is cheaper.
 const MAX_CUTS: usize = 16;
 
 /// The cells of a sheet of one convex facet that only segments from side to side lie on; `None` if it is another.
-pub(super) fn cut(sheet: &Sheet, outlines: &[Outline], points: &[Vec3]) -> Option<Vec<Draft>> {
+pub(super) fn cut(sheet: &Sheet, outlines: &[Outline], body: &Body) -> Option<Vec<Draft>> {
     let outline = &outlines[sheet.reference as usize];
     let is_simple = sheet.members.len() == 1 && sheet.lone.is_empty();
-    if !is_simple || sheet.segments.len() + sheet.chords.len() > MAX_CUTS || !outline.is_convex(points) {
+    if !is_simple || sheet.segments.len() + sheet.chords.len() > MAX_CUTS || !outline.is_convex(&body.points) {
         return None;
     }
     let mut walks = outline.loops.clone();
@@ -22,7 +22,7 @@ pub(super) fn cut(sheet: &Sheet, outlines: &[Outline], points: &[Vec3]) -> Optio
     for &ends in &sheet.chords {
         divide(&mut walks, ends);
     }
-    walks.into_iter().map(|walk| plain(outline.facet, vec![walk], points).ok()).collect()
+    walks.into_iter().map(|walk| plain(outline.facet, vec![walk], body).ok()).collect()
 }
 
 /// Cuts the walk that has both points; false if none has, since another cut lies between them.
