@@ -1,14 +1,15 @@
 //! Leaves that come near each other without touching: most likely they were meant to touch.
 
 use super::body::Body;
-use super::candidates::facet_pairs;
+use super::candidates::FacetTrees;
 use super::conforming::Conforming;
 use super::outline::{Outline, sides};
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
+use crate::geom::lists::Lists;
 use crate::ids::LeafId;
 use crate::primitive::solid::Solid;
-use std::collections::BTreeMap;
+use std::ops::ControlFlow;
 
 /// Gaps up to this many tolerances are suspicious: whoever wants a gap writes one that a mesh can resolve.
 pub const GAP: f64 = 100.0;
@@ -27,58 +28,72 @@ pub struct Gap {
 /// All pairs of leaves that come nearer than [`GAP`] tolerances without touching or crossing, in ascending order, for the
 /// solids that `conforming` was made from. Whether they belong to one part is the caller's to know. O(n log n + pairs of facets).
 pub fn nearly_touching(solids: &[Solid], conforming: &Conforming) -> Vec<Gap> {
-    let body = Body::apart(solids, conforming.tolerance);
     let reach = GAP * conforming.tolerance;
-    let pairs = facet_pairs(&body, |_, _| reach);
-    let touching = touching(conforming);
-    // None: they cross, so that nothing counts any more.
-    let mut gaps: BTreeMap<[u32; 2], Option<Gap>> = BTreeMap::new();
+    let near = conforming.trees.leaf_pairs(|_, _| reach);
+    let pairs = if near.is_empty() { near } else { apart(conforming, &near) };
+    if pairs.is_empty() {
+        return Vec::new();
+    }
+    let body = Body::apart(solids, conforming.tolerance);
     let mut outlines: Vec<Option<Outline>> = std::iter::repeat_with(|| None).take(body.facet_count()).collect();
-    for pair in &pairs {
-        let leaves = pair.map(|f| body.leaf_of_facet[f as usize]);
-        if touching.binary_search(&leaves).is_ok() || gaps.get(&leaves).is_some_and(Option::is_none) {
-            continue;
-        }
-        for &f in pair {
+    pairs.iter().filter_map(|&leaves| gap(&body, &conforming.trees, &mut outlines, leaves, reach)).collect()
+}
+
+/// The gap between two leaves, unless it is wider than `reach` or they cross. `outlines` of facets are made when needed.
+fn gap(body: &Body, trees: &FacetTrees, outlines: &mut [Option<Outline>], leaves: [u32; 2], reach: f64) -> Option<Gap> {
+    let first = leaves.map(|l| body.first_facet[l as usize]);
+    let mut is_crossing = false;
+    // Of equal distances the one between the first facets counts, in whatever order they come.
+    let mut best: Option<(f64, [u32; 2], Vec3)> = None;
+    trees.visit(leaves, reach, |f, g| {
+        let pair = [first[0] + f, first[1] + g];
+        for f in pair {
             outlines[f as usize].get_or_insert_with(|| Outline::new(f, body.loops(f), None, &body.points));
         }
-        let [Some(f), Some(g)] = pair.map(|f| outlines[f as usize].as_ref()) else { continue };
+        let [Some(f), Some(g)] = pair.map(|f| outlines[f as usize].as_ref()) else { return ControlFlow::Continue(()) };
         match distance(f, g, reach, &body.points) {
             None => {
-                gaps.insert(leaves, None);
+                is_crossing = true;
+                return ControlFlow::Break(());
             }
-            Some((distance, place)) if distance <= reach => {
-                let found = Some(Gap { leaves: leaves.map(LeafId), distance, place });
-                let known = gaps.entry(leaves).or_insert(found);
-                if known.is_some_and(|k| k.distance > distance) {
-                    *known = found;
-                }
+            Some((distance, place))
+                if distance <= reach && best.is_none_or(|(d, p, _)| distance < d || distance == d && pair < p) =>
+            {
+                best = Some((distance, pair, place));
             }
             Some(_) => {}
         }
-    }
-    gaps.into_values().flatten().collect()
+        ControlFlow::Continue(())
+    });
+    let (distance, _, place) = best.filter(|_| !is_crossing)?;
+    Some(Gap { leaves: leaves.map(LeafId), distance, place })
 }
 
-/// Pairs of leaves that have a point in common, sorted.
-fn touching(conforming: &Conforming) -> Vec<[u32; 2]> {
-    let mut uses: Vec<(u32, u32)> = Vec::new();
-    for (t, &cell) in conforming.triangles.iter().zip(&conforming.cell_of_triangle) {
-        for owner in &conforming.cells[cell as usize].owners {
-            uses.extend(t.map(|v| (v, owner.leaf.0)));
+/// Those of `pairs`, which are sorted, that have no point in common.
+fn apart(conforming: &Conforming, pairs: &[[u32; 2]]) -> Vec<[u32; 2]> {
+    let cell_of = |t: usize| &conforming.cells[conforming.cell_of_triangle[t] as usize];
+    let near = conforming.triangles.iter().enumerate().filter(|(t, _)| cell_of(*t).is_near);
+    let corners: Vec<(u32, u32)> = near.flat_map(|(t, corners)| corners.map(|v| (v, t as u32))).collect();
+    let triangles_at = Lists::new(conforming.points.len(), &corners);
+    let mut is_apart = vec![true; pairs.len()];
+    let mut left = pairs.len();
+    let mut leaves: Vec<u32> = Vec::new();
+    for v in 0..conforming.points.len() as u32 {
+        leaves.clear();
+        leaves.extend(triangles_at.of(v).iter().flat_map(|&t| cell_of(t as usize).owners.iter().map(|o| o.leaf.0)));
+        leaves.sort_unstable();
+        leaves.dedup();
+        for (k, &a) in leaves.iter().enumerate() {
+            for slot in leaves[k + 1..].iter().filter_map(|&b| pairs.binary_search(&[a, b]).ok()) {
+                left -= usize::from(std::mem::replace(&mut is_apart[slot], false));
+            }
+        }
+        // Where hundreds of leaves share hundreds of thousands of points, the first few points tell.
+        if left == 0 {
+            return Vec::new();
         }
     }
-    uses.sort_unstable();
-    uses.dedup();
-    let mut pairs = Vec::new();
-    for at in uses.chunk_by(|a, b| a.0 == b.0) {
-        for (k, a) in at.iter().enumerate() {
-            pairs.extend(at[k + 1..].iter().map(|b| [a.1, b.1]));
-        }
-    }
-    pairs.sort_unstable();
-    pairs.dedup();
-    pairs
+    pairs.iter().zip(is_apart).filter(|p| p.1).map(|p| *p.0).collect()
 }
 
 /// Distance of two planar facets and a place of it, if it is at most `reach`, or `None` if they cross.
