@@ -21,11 +21,12 @@ pub(super) fn assemble(body: &Body, mut sheets: Sheets, tolerance: f64, names: N
     let starts: Vec<u32> = (0..body.facet_count() as u32)
         .filter(|&f| sheets.slot[f as usize] == u32::MAX || sheet_at[f as usize] != u32::MAX)
         .collect();
+    let reach = body.tolerances.iter().fold(0.0, |m: f64, &t| m.max(t));
     let draft = |&f: &u32| -> Result<Vec<Draft>, (u32, Tangled)> {
         let drafts = match sheets.sheets.get(sheet_at[f as usize] as usize) {
             None => cells::plain(f, body.loops(f), body).map(|d| vec![d]),
             Some(s) if s.is_plain() => cells::whole(f, &sheets.outlines[s.reference as usize].loops, body).map(|d| vec![d]),
-            Some(s) => cells::trace(s, &sheets.outlines, body, tolerance),
+            Some(s) => cells::trace(s, &sheets.outlines, body, reach),
         };
         drafts.map_err(|t| (f, t))
     };

@@ -18,7 +18,9 @@ pub fn of(scene: &Scene, solids: &[Solid]) -> f64 {
     let inner = (0..parts.len()).map(|k| (k, around(k))).find(|(k, others)| {
         !others.is_empty() && (0..3).all(|a| parts[*k].lo[a] < others.lo[a] && others.hi[a] < parts[*k].hi[a])
     });
-    inner.map_or(all, |(_, others)| others).diagonal()
+    let size = inner.map_or(all, |(_, others)| others).diagonal();
+    // Where the boxes tell that nothing is left, rounding is still that of the leaves.
+    if size > 0.0 { size } else { leaves.iter().fold(Aabb::EMPTY, |all, b| all.union(b)).diagonal() }
 }
 
 /// A box around the points that a tree can claim.

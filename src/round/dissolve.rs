@@ -64,6 +64,19 @@ pub fn dissolve(facets: &mut [Vec<Vec<u32>>], places: &[Vec3], tolerance: f64) {
     for walk in facets.iter_mut().flatten().filter(|w| w.len() > 2) {
         walk.retain(|&p| !is_gone[p as usize]);
     }
+    facets.iter_mut().for_each(|facet| join_touching(facet, &is_gone));
+}
+
+/// Edges that touch a facet inside are loops of two: where their common point is gone, they are one edge.
+fn join_touching(facet: &mut Vec<Vec<u32>>, is_gone: &[bool]) {
+    let gone_in = |walk: &Vec<u32>| walk.iter().position(|&p| walk.len() == 2 && is_gone[p as usize]);
+    while let Some((first, end)) = facet.iter().enumerate().find_map(|(k, walk)| Some((k, gone_in(walk)?))) {
+        let [p, a] = [facet[first][end], facet[first][1 - end]];
+        facet.remove(first);
+        if let Some(next) = facet.iter_mut().find(|walk| walk.len() == 2 && walk.contains(&p)) {
+            next.iter_mut().filter(|v| **v == p).for_each(|v| *v = a);
+        }
+    }
 }
 
 /// From a start through passing points to the next start.
@@ -115,6 +128,25 @@ mod tests {
         let mut facets = vec![vec![vec![0, 1, 2, 3, 4, 5]]];
         dissolve(&mut facets, &places, 1e-9);
         assert_eq!(facets[0][0], vec![0, 2, 3, 4]);
+    }
+
+    #[test]
+    fn a_touching_edge_of_two_pieces_becomes_one() {
+        let p = |x: f64, y: f64, z: f64| Vec3::new(x, y, z);
+        let places = [
+            p(0., 0., 0.),
+            p(4., 0., 0.),
+            p(4., 4., 0.),
+            p(0., 4., 0.),
+            p(1., 1., 0.),
+            p(2., 1., 0.),
+            p(3., 1., 0.),
+            p(2., 1., 1.),
+        ];
+        // A fin stands on a square along 4-5-6.
+        let mut facets = vec![vec![vec![0, 1, 2, 3], vec![4, 5], vec![5, 6]], vec![vec![4, 5, 6, 7]]];
+        dissolve(&mut facets, &places, 1e-9);
+        assert_eq!(facets, [vec![vec![0, 1, 2, 3], vec![4, 6]], vec![vec![4, 6, 7]]]);
     }
 
     #[test]
