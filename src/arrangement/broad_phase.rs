@@ -31,21 +31,26 @@ pub fn contacts(mesh: &Mesh) -> Contacts {
     Contacts { found, candidates: pairs.len() as u64 }
 }
 
-/// Pairs with overlapping boxes, sorted. Every leaf has a tree of its own, of those triangles that come near another leaf, so
-/// that the many neighbours within one leaf are never looked at.
+/// Pairs with overlapping boxes, sorted. Every leaf has a tree of its own, of its triangles near another leaf, so that the many
+/// neighbours within one leaf are never looked at.
 fn candidates(mesh: &Mesh) -> Vec<[u32; 2]> {
     let points = &mesh.input.points;
-    let boxes: Vec<Aabb> = mesh.triangles.iter().map(|t| Aabb::around(t.map(|v| &points[v as usize]))).collect();
-    let mut leaves: Vec<(Aabb, Vec<u32>)> = Vec::new();
-    for t in 0..boxes.len() as u32 {
+    let mut leaves: Vec<(Vec<u32>, Vec<Aabb>)> = Vec::new();
+    for &t in &mesh.near {
         let leaf = mesh.leaf_of(t) as usize;
         if leaves.len() <= leaf {
-            leaves.resize(leaf + 1, (Aabb::EMPTY, Vec::new()));
+            leaves.resize_with(leaf + 1, Default::default);
         }
-        leaves[leaf].0 = leaves[leaf].0.union(&boxes[t as usize]);
-        leaves[leaf].1.push(t);
+        leaves[leaf].0.push(t);
+        leaves[leaf].1.push(Aabb::around(mesh.triangles[t as usize].map(|v| &points[v as usize])));
     }
-    let crowd = Bvh::new(leaves.iter().map(|l| l.0).collect());
+    let is_parallel = mesh.near.len() >= PARALLEL_PAIRS;
+    let trees: Vec<(Vec<u32>, Bvh)> = if is_parallel {
+        leaves.into_par_iter().map(|(triangles, boxes)| (triangles, Bvh::new(boxes))).collect()
+    } else {
+        leaves.into_iter().map(|(triangles, boxes)| (triangles, Bvh::new(boxes))).collect()
+    };
+    let crowd = Bvh::new(trees.iter().map(|t| t.1.bounds()).collect());
     let mut near: Vec<[u32; 2]> = Vec::new();
     for task in crowd.pair_tasks(1) {
         crowd.overlapping_pairs(task, |a, b| {
@@ -53,37 +58,21 @@ fn candidates(mesh: &Mesh) -> Vec<[u32; 2]> {
             ControlFlow::Continue(())
         });
     }
-    let mut reach = vec![Aabb::EMPTY; leaves.len()];
-    for &[a, b] in &near {
-        reach[a as usize] = reach[a as usize].union(&leaves[b as usize].0);
-        reach[b as usize] = reach[b as usize].union(&leaves[a as usize].0);
-    }
-    let trees: Vec<(Vec<u32>, Bvh)> = leaves
-        .par_iter()
-        .zip(&reach)
-        .with_min_len(8)
-        .map(|((_, triangles), reach)| {
-            let active: Vec<u32> = triangles.iter().copied().filter(|&t| boxes[t as usize].overlaps(reach)).collect();
-            let tree = Bvh::new(active.iter().map(|&t| boxes[t as usize]).collect());
-            (active, tree)
-        })
-        .collect();
     let join = |&[a, b]: &[u32; 2]| {
         let ((first, tree), (second, other)) = (&trees[a as usize], &trees[b as usize]);
-        let mut found = Vec::new();
+        // Pairs as one number each: those are sorted in half the time.
+        let mut found: Vec<u64> = Vec::new();
         tree.pairs(other, 0.0, |i, j| {
             let (t, u) = (first[i as usize], second[j as usize]);
             if mesh.sheet_of(t) != mesh.sheet_of(u) && !mesh.has_common_leaf(t, u) {
-                found.push([t.min(u), t.max(u)]);
+                found.push(u64::from(t.min(u)) << 32 | u64::from(t.max(u)));
             }
+            ControlFlow::Continue(())
         });
         found
     };
-    let mut pairs: Vec<[u32; 2]> = if boxes.len() < PARALLEL_PAIRS {
-        near.iter().flat_map(join).collect()
-    } else {
-        near.par_iter().flat_map_iter(join).collect()
-    };
+    let mut pairs: Vec<u64> =
+        if is_parallel { near.par_iter().flat_map_iter(join).collect() } else { near.iter().flat_map(join).collect() };
     pairs.sort_unstable();
-    pairs
+    pairs.into_iter().map(|p| [(p >> 32) as u32, p as u32]).collect()
 }

@@ -7,43 +7,63 @@ use crate::geom::hash::{IndexMap, IndexSet};
 use crate::geom::predicates::Projection;
 use std::cmp::Ordering;
 
+/// Stands for the edges of triangles that nothing comes near.
+const NO_EDGE: u32 = u32::MAX;
+
 /// The input's triangles with their edges.
 pub struct Mesh<'a> {
     /// The cells.
     pub input: &'a Conforming,
     /// Triangles.
     pub triangles: &'a [[u32; 3]],
+    /// Triangles of the cells that something comes near; only these have projections and edges.
+    pub near: Vec<u32>,
     /// Projection of each triangle in which it turns counter-clockwise.
     pub projection: Vec<Projection>,
     /// Edge k of each triangle, from corner k to corner k + 1.
-    pub edges_of: Vec<[u32; 3]>,
+    edges_of: Vec<[u32; 3]>,
     /// Ends of each edge, smaller number first.
     pub edges: Vec<[u32; 2]>,
 }
 
 impl<'a> Mesh<'a> {
-    /// Numbers the edges and chooses the projections.
+    /// Chooses the triangles that matter and their projections.
     pub fn new(input: &'a Conforming) -> Self {
         let triangles = &input.triangles[..];
-        let projection = triangles.iter().map(|&t| super::projection_of_triangle(input, t)).collect();
-        let mut keys: Vec<(u64, u32)> = Vec::with_capacity(3 * triangles.len());
-        for (t, tri) in triangles.iter().enumerate() {
+        let is_near = |&t: &u32| input.cells[input.cell_of_triangle[t as usize] as usize].is_near;
+        let near: Vec<u32> = (0..triangles.len() as u32).filter(is_near).collect();
+        let mut projection = vec![Projection { u: 0, v: 1 }; triangles.len()];
+        for &t in &near {
+            projection[t as usize] = super::projection_of_triangle(input, triangles[t as usize]);
+        }
+        Self { input, triangles, near, projection, edges_of: Vec::new(), edges: Vec::new() }
+    }
+
+    /// Numbers the edges.
+    pub fn number_edges(&mut self) {
+        let mut keys: Vec<(u64, u32)> = Vec::with_capacity(3 * self.near.len());
+        for &t in &self.near {
+            let corners = self.triangles[t as usize];
             for k in 0..3 {
-                let (a, b) = (tri[k], tri[(k + 1) % 3]);
-                keys.push((u64::from(a.min(b)) << 32 | u64::from(a.max(b)), (3 * t + k) as u32));
+                let (a, b) = (corners[k], corners[(k + 1) % 3]);
+                keys.push((u64::from(a.min(b)) << 32 | u64::from(a.max(b)), 3 * t + k as u32));
             }
         }
         keys.sort_unstable();
-        let (mut edges, mut edges_of) = (Vec::with_capacity(keys.len() / 2), vec![[0u32; 3]; triangles.len()]);
+        self.edges_of = vec![[NO_EDGE; 3]; self.triangles.len()];
         let mut last = u64::MAX;
         for (key, slot) in keys {
             if key != last {
-                edges.push([(key >> 32) as u32, key as u32]);
+                self.edges.push([(key >> 32) as u32, key as u32]);
                 last = key;
             }
-            edges_of[slot as usize / 3][slot as usize % 3] = edges.len() as u32 - 1;
+            self.edges_of[slot as usize / 3][slot as usize % 3] = self.edges.len() as u32 - 1;
         }
-        Self { input, triangles, projection, edges_of, edges }
+    }
+
+    /// Edge k of a near triangle, from corner k to corner k + 1.
+    pub fn edge_of(&self, t: u32, k: u8) -> u32 {
+        self.edges_of[t as usize][k as usize]
     }
 
     /// Owners of a triangle's cell.
@@ -191,7 +211,7 @@ impl Graph {
                 let t = pair[side];
                 match spot {
                     Spot::Corner(_) => {}
-                    Spot::Edge(k) => self.edge_points[mesh.edges_of[t as usize][k as usize] as usize].push(id),
+                    Spot::Edge(k) => self.edge_points[mesh.edge_of(t, k) as usize].push(id),
                     Spot::Face => self.drawing_mut(t).points.push(id),
                 }
             }
@@ -215,7 +235,7 @@ impl Graph {
             if (0..3).any(|l| a.1[other].is_on_edge(l) && b.1[other].is_on_edge(l)) {
                 continue;
             }
-            let curve = Curve::Edge(mesh.edges_of[pair[side] as usize][k as usize]);
+            let curve = Curve::Edge(mesh.edge_of(pair[side], k));
             self.drawing_mut(pair[other]).strings.push(StringPiece { curve, ends: ordered(a.0, b.0) });
         }
     }
@@ -223,7 +243,7 @@ impl Graph {
     fn enter_segment(&mut self, mesh: &Mesh, pair: [u32; 2], a: (u32, [Spot; 2]), b: (u32, [Spot; 2])) {
         let along = |side: usize| (0..3u8).find(|&k| a.1[side].is_on_edge(k) && b.1[side].is_on_edge(k));
         let ends = ordered(a.0, b.0);
-        let edge = |side: usize, k: u8| Curve::Edge(mesh.edges_of[pair[side] as usize][k as usize]);
+        let edge = |side: usize, k: u8| Curve::Edge(mesh.edge_of(pair[side], k));
         match (along(0), along(1)) {
             (Some(_), Some(_)) => {}
             (Some(k), None) => self.drawing_mut(pair[1]).strings.push(StringPiece { curve: edge(0, k), ends }),
@@ -319,7 +339,7 @@ struct Made {
 
 impl Made {
     fn point(&mut self, mesh: &Mesh, [t, u]: [u32; 2], hit: &Hit, points: &mut Points) -> u32 {
-        let edge = |t: u32, k: u8| mesh.edges_of[t as usize][k as usize];
+        let edge = |t: u32, k: u8| mesh.edge_of(t, k);
         let (of, k, face) = match hit.meeting {
             Meeting::Vertex(v) => return v,
             Meeting::EdgeOfFirst(k) => (t, k, u),

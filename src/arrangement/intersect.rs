@@ -126,6 +126,9 @@ pub struct Contact {
 
 /// Intersects two triangles; `None` if they share nothing but, perhaps, one vertex or one edge by number.
 pub fn intersect(t: &Corners, u: &Corners) -> Option<Contact> {
+    if are_apart_beside_shared_corners(t, u) || are_apart_beside_shared_corners(u, t) {
+        return None;
+    }
     let su = sides(u, t)?;
     let st = sides(t, u)?;
     let mut hits = Vec::new();
@@ -138,6 +141,22 @@ pub fn intersect(t: &Corners, u: &Corners) -> Option<Contact> {
     }
     let shared = u.ids.iter().filter(|&&v| t.index_of(v).is_some()).count();
     (hits.len() > shared || (is_coplanar && shared == 3)).then_some(Contact { hits, is_coplanar })
+}
+
+/// Whether, seen in the projection of `t`, one edge of it has all corners of `u` beyond, other than those of the edge: they then
+/// share nothing else. Most candidates are neighbours over what contact has made common, and this settles them without the signs
+/// of volumes, which for points of a common wall all need long numbers.
+fn are_apart_beside_shared_corners(t: &Corners, u: &Corners) -> bool {
+    let flat = |p: &Vec3| t.projection.apply(p);
+    let [of_t, of_u] = [t.at.map(flat), u.at.map(flat)];
+    (0..3).any(|k| {
+        let l = (k + 1) % 3;
+        let is_beyond = |j: usize| {
+            let id = u.ids[j];
+            id == t.ids[k] || id == t.ids[l] || orient2d(of_t[k], of_t[l], of_u[j]) < 0
+        };
+        (0..3).all(is_beyond)
+    })
 }
 
 /// Adds where the corners and edges of `of` meet `face`; `of_is_first` tells which one is the first triangle of the pair.

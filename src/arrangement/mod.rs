@@ -82,14 +82,16 @@ pub struct SubCells<'a> {
 
 impl<'a> SubCells<'a> {
     fn new(input: &'a Conforming) -> Self {
-        let none = Vec::new;
+        // Most triangles stay whole.
+        let count = input.triangles.len();
+        let one_each = || Vec::with_capacity(count);
         Self {
             input,
-            vertices: none(),
-            loop_ends: none(),
-            cell_ends: none(),
-            triangle: none(),
-            owners: none(),
+            vertices: Vec::with_capacity(3 * count),
+            loop_ends: one_each(),
+            cell_ends: one_each(),
+            triangle: one_each(),
+            owners: one_each(),
             coinciding: Vec::new(),
         }
     }
@@ -151,8 +153,13 @@ pub fn projection_of_triangle(input: &Conforming, triangle: [u32; 3]) -> Project
 /// Cuts all cells against each other. Cost: n log n in the number of triangles, plus the output; quadratic in the number of
 /// strings on one triangle at worst.
 pub fn arrange(input: &Conforming) -> Arrangement<'_> {
-    let mesh = graph::Mesh::new(input);
+    let mut mesh = graph::Mesh::new(input);
     let contacts = broad_phase::contacts(&mesh);
+    if contacts.found.is_empty() {
+        // Contact has found everything, as it does where parts only touch.
+        mesh.near.clear();
+    }
+    mesh.number_edges();
     let mut points = Points::new(&input.points);
     let mut graph = graph::Graph::new(&mesh, &contacts.found, &mut points);
     crossings::cut(&mesh, &mut graph, &mut points);

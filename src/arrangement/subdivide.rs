@@ -15,9 +15,9 @@ type Piece = Vec<Vec<u32>>;
 pub fn subdivide<'a>(mesh: &Mesh<'a>, graph: &Graph, points: &Points) -> SubCells<'a> {
     let count = mesh.triangles.len();
     let is_touched = |t: u32| {
-        graph.drawing(t).is_some() || mesh.edges_of[t as usize].iter().any(|&e| !graph.edge_points[e as usize].is_empty())
+        graph.drawing(t).is_some() || (0..3).any(|k| !graph.edge_points[mesh.edge_of(t, k) as usize].is_empty())
     };
-    let touched: Vec<u32> = (0..count as u32).filter(|&t| is_touched(t)).collect();
+    let touched: Vec<u32> = mesh.near.iter().copied().filter(|&t| is_touched(t)).collect();
     let cut = |&t: &u32| Drawn::new(mesh, graph, points, t).pieces();
     let pieces: Vec<Vec<Piece>> = if touched.len() < 256 {
         touched.iter().map(cut).collect()
@@ -61,8 +61,8 @@ impl<'a> Drawn<'a> {
     fn new(mesh: &Mesh, graph: &Graph, points: &'a Points<'a>, t: u32) -> Self {
         let mut boundary = Vec::new();
         for k in 0..3 {
-            let start = mesh.triangles[t as usize][k];
-            let edge = mesh.edges_of[t as usize][k];
+            let start = mesh.triangles[t as usize][k as usize];
+            let edge = mesh.edge_of(t, k);
             boundary.push(start);
             let on = graph.edge_points[edge as usize].iter().copied();
             if mesh.edges[edge as usize][0] == start { boundary.extend(on) } else { boundary.extend(on.rev()) }

@@ -28,6 +28,7 @@ pub fn boxes(list: &[[[f64; 3]; 2]]) -> Conforming {
                 owners: vec![Owner { leaf: LeafId(leaf as u32), facet: facet as u32, is_flipped: false }],
                 loops: vec![quad.to_vec()],
                 sheet: cell,
+                is_near: true,
             });
             for t in polygon::triangulate(&[&quad], &[], &[], &out.points).unwrap() {
                 out.triangles.push(t);

@@ -4,6 +4,7 @@ use crate::arrangement::Arrangement;
 use crate::arrangement::projection_of_triangle;
 use crate::diag::Diagnostic;
 use crate::geom::Vec3;
+use crate::geom::lists::Lists;
 use crate::geom::predicates::{Projection, Sign, orient3d};
 use crate::geom::union_find::UnionFind;
 use std::cmp::Ordering;
@@ -30,7 +31,8 @@ impl EdgeUses {
         let corners = cells.corners();
         let (mut cell_of, mut next) = (vec![0u32; corners.len()], vec![0u32; corners.len()]);
         let mut is_forward = vec![false; corners.len()];
-        let mut keyed: Vec<(u64, u32)> = Vec::with_capacity(corners.len());
+        // Corners by the smaller end of their edge: lists so short that sorting them costs little.
+        let mut by_lower: Vec<(u32, u32)> = Vec::with_capacity(corners.len());
         for (range, cell) in cells.loop_ranges() {
             let (start, end) = (range.start, range.end);
             for k in range {
@@ -39,15 +41,20 @@ impl EdgeUses {
                 let (a, b) = (corners[k], corners[next[k] as usize]);
                 is_forward[k] = a < b;
                 if a != b {
-                    keyed.push((u64::from(a.min(b)) << 32 | u64::from(a.max(b)), k as u32));
+                    by_lower.push((a.min(b), k as u32));
                 }
             }
         }
-        keyed.sort_unstable();
-        let (mut uses, mut ends) = (Vec::with_capacity(keyed.len()), Vec::with_capacity(keyed.len() / 2));
-        for (k, (key, corner)) in keyed.iter().enumerate() {
-            uses.push(*corner);
-            if keyed.get(k + 1).is_none_or(|n| n.0 != *key) {
+        let at = Lists::new(arrangement.points.len(), &by_lower);
+        let upper = |k: u32| corners[k as usize].max(corners[next[k as usize] as usize]);
+        let (mut uses, mut ends) = (Vec::with_capacity(by_lower.len()), Vec::with_capacity(by_lower.len() / 2));
+        let mut keyed: Vec<u64> = Vec::new();
+        for lower in 0..arrangement.points.len() as u32 {
+            keyed.clear();
+            keyed.extend(at.of(lower).iter().map(|&k| u64::from(upper(k)) << 32 | u64::from(k)));
+            keyed.sort_unstable();
+            for same in keyed.chunk_by(|a, b| a >> 32 == b >> 32) {
+                uses.extend(same.iter().map(|&k| k as u32));
                 ends.push(uses.len() as u32);
             }
         }

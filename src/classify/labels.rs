@@ -5,6 +5,7 @@ use crate::arrangement::Arrangement;
 use crate::contact::conforming::Owner;
 use crate::diag::Diagnostic;
 use crate::geom::hash::IndexMap;
+use crate::geom::lists::Lists;
 
 /// Distinct labels, each stored once.
 #[derive(Default)]
@@ -13,6 +14,8 @@ struct Labels {
     numbers: IndexMap<Vec<u32>, u32>,
     /// Label reached from a label by entering or leaving one leaf.
     steps: IndexMap<(u32, u32, bool), u32>,
+    /// The step taken last, which is most often the next one too.
+    last: Option<((u32, u32, bool), u32)>,
 }
 
 impl Labels {
@@ -32,14 +35,15 @@ impl Labels {
             // Unflipped owners are inside behind the piece.
             let enters = is_from_front != owner.is_flipped;
             let key = (from, owner.leaf.0, enters);
-            from = match self.steps.get(&key) {
-                Some(&to) => to,
+            from = match self.last.filter(|l| l.0 == key).or_else(|| Some((key, *self.steps.get(&key)?))) {
+                Some((_, to)) => to,
                 None => {
                     let to = self.step(from, owner.leaf.0, enters)?;
                     self.steps.insert(key, to);
                     to
                 }
             };
+            self.last = Some((key, from));
         }
         Some(from)
     }
@@ -58,22 +62,25 @@ impl Labels {
 /// Label of every shell, and the distinct labels.
 pub fn spread(arrangement: &Arrangement, shells: &[[u32; 2]], count: usize) -> Result<(Vec<u32>, Vec<Vec<u32>>), Diagnostic> {
     let cells = &arrangement.cells;
-    let around = Around::new(shells, count);
+    let by_shell: Vec<(u32, u32)> = shells.iter().flatten().zip(0..).map(|(&shell, side)| (shell, side)).collect();
+    // Sides (twice the cell, plus one for the back) of each shell.
+    let sides = Lists::new(count, &by_shell);
     let mut labels = Labels::default();
     let mut label_of = vec![u32::MAX; count];
-    let mut rays = Rays::new(arrangement);
+    let rays = Rays::new(arrangement);
     let mut stack = Vec::new();
-    for start in 0..count as u32 {
-        if label_of[start as usize] != u32::MAX {
+    // The first piece of each component that a ray can start from.
+    for cell in 0..shells.len() {
+        let seed = shells[cell][0];
+        if label_of[seed as usize] != u32::MAX {
             continue;
         }
-        let (cell, set) = rays.label_in_front(component(&around, shells, start))?;
-        let seed = shells[cell as usize][0];
+        let Some(set) = rays.label_in_front(cell)? else { continue };
         label_of[seed as usize] = labels.number(set);
         stack.push(seed);
         while let Some(shell) = stack.pop() {
             let label = label_of[shell as usize];
-            for &side in around.of(shell) {
+            for &side in sides.of(shell) {
                 let (cell, is_front) = (side as usize / 2, side % 2 == 0);
                 let beyond = labels.cross(label, cells.owners_of(cell), is_front);
                 let other = shells[cell][usize::from(is_front)] as usize;
@@ -92,52 +99,8 @@ pub fn spread(arrangement: &Arrangement, shells: &[[u32; 2]], count: usize) -> R
             }
         }
     }
+    if label_of.contains(&u32::MAX) {
+        return Err(Diagnostic::internal("no-inner-point", "no piece of a component has a place to cast a ray from"));
+    }
     Ok((label_of, labels.sets))
-}
-
-/// All sub-cells of the component that a shell belongs to, sorted.
-fn component(around: &Around, shells: &[[u32; 2]], start: u32) -> Vec<u32> {
-    let mut seen = std::collections::BTreeSet::from([start]);
-    let (mut stack, mut cells) = (vec![start], Vec::new());
-    while let Some(shell) = stack.pop() {
-        for &side in around.of(shell) {
-            cells.push(side / 2);
-            let other = shells[side as usize / 2][usize::from(side % 2 == 0)];
-            if seen.insert(other) {
-                stack.push(other);
-            }
-        }
-    }
-    cells.sort_unstable();
-    cells.dedup();
-    cells
-}
-
-/// Sides (twice the cell, plus one for the back) of each shell.
-struct Around {
-    sides: Vec<u32>,
-    ends: Vec<u32>,
-}
-
-impl Around {
-    fn new(shells: &[[u32; 2]], count: usize) -> Self {
-        let mut ends = vec![0u32; count + 1];
-        for &s in shells.iter().flatten() {
-            ends[s as usize + 1] += 1;
-        }
-        for k in 0..count {
-            ends[k + 1] += ends[k];
-        }
-        let mut sides = vec![0u32; 2 * shells.len()];
-        let mut fill = ends.clone();
-        for (side, &s) in shells.iter().flatten().enumerate() {
-            sides[fill[s as usize] as usize] = side as u32;
-            fill[s as usize] += 1;
-        }
-        Self { sides, ends }
-    }
-
-    fn of(&self, shell: u32) -> &[u32] {
-        &self.sides[self.ends[shell as usize] as usize..self.ends[shell as usize + 1] as usize]
-    }
 }

@@ -7,6 +7,7 @@ use crate::arrangement::projection_of_triangle;
 use crate::diag::Diagnostic;
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
+use crate::geom::lists::Lists;
 use crate::geom::predicates::{Sign, orient3d};
 
 /// Directions tried before giving up; each fails only if the ray meets an edge exactly.
@@ -15,8 +16,10 @@ const TRIES: u64 = 64;
 /// Casts rays against the leaves.
 pub struct Rays<'a> {
     arrangement: &'a Arrangement<'a>,
-    /// Triangles and box of each leaf.
-    leaves: Vec<(Vec<u32>, Aabb)>,
+    /// Triangles of each leaf.
+    triangles: Lists,
+    /// Box of each leaf.
+    leaf_boxes: Vec<Aabb>,
     bounds: Aabb,
 }
 
@@ -24,41 +27,42 @@ impl<'a> Rays<'a> {
     /// Sorts the triangles by leaf.
     pub fn new(arrangement: &'a Arrangement<'a>) -> Self {
         let input = arrangement.input;
-        let mut leaves: Vec<(Vec<u32>, Aabb)> = Vec::new();
-        for (t, tri) in input.triangles.iter().enumerate() {
+        let mut by_leaf: Vec<(u32, u32)> = Vec::with_capacity(input.triangles.len());
+        let mut leaf_boxes: Vec<Aabb> = Vec::new();
+        for (t, corners) in input.triangles.iter().enumerate() {
+            let own = Aabb::around(corners.map(|v| &input.points[v as usize]));
             for owner in &input.cells[input.cell_of_triangle[t] as usize].owners {
                 let leaf = owner.leaf.0 as usize;
-                if leaves.len() <= leaf {
-                    leaves.resize(leaf + 1, (Vec::new(), Aabb::EMPTY));
+                if leaf_boxes.len() <= leaf {
+                    leaf_boxes.resize(leaf + 1, Aabb::EMPTY);
                 }
-                leaves[leaf].0.push(t as u32);
-                leaves[leaf].1 = leaves[leaf].1.union(&Aabb::around(tri.map(|v| &input.points[v as usize])));
+                by_leaf.push((owner.leaf.0, t as u32));
+                leaf_boxes[leaf] = leaf_boxes[leaf].union(&own);
             }
         }
-        let bounds = leaves.iter().fold(Aabb::EMPTY, |b, l| b.union(&l.1));
-        Self { arrangement, leaves, bounds }
+        let bounds = leaf_boxes.iter().fold(Aabb::EMPTY, |b, l| b.union(l));
+        Self { arrangement, triangles: Lists::new(leaf_boxes.len(), &by_leaf), leaf_boxes, bounds }
     }
 
-    /// A sub-cell of the component, and the leaves that contain the space in front of it.
-    pub fn label_in_front(&mut self, component: Vec<u32>) -> Result<(u32, Vec<u32>), Diagnostic> {
-        let Some((cell, inside)) = component.iter().find_map(|&c| self.inner_point(c as usize).map(|p| (c, p))) else {
-            return Err(Diagnostic::internal("no-inner-point", "no piece of a component has a place to cast a ray from"));
-        };
-        let owners = self.arrangement.cells.owners_of(cell as usize);
+    /// The leaves that contain the space in front of a sub-cell; `None` if it has no place to cast a ray from.
+    pub fn label_in_front(&self, cell: usize) -> Result<Option<Vec<u32>>, Diagnostic> {
+        let Some(inside) = self.inner_point(cell) else { return Ok(None) };
+        let owners = self.arrangement.cells.owners_of(cell);
         let from = Origin { exact: self.arrangement.points.exact_of(&inside), near: self.arrangement.points.round(&inside).at };
         let margin = self.bounds.diagonal() * 1e-9; // the rounded origin only selects leaves to look at
         let mut label = Vec::new();
-        for (leaf, (triangles, bounds)) in self.leaves.iter().enumerate() {
+        for (leaf, bounds) in self.leaf_boxes.iter().enumerate() {
+            let triangles = || self.triangles.of(leaf as u32);
             match owners.iter().find(|o| o.leaf.0 as usize == leaf) {
                 Some(owner) if owner.is_flipped => label.push(leaf as u32),
                 Some(_) => {}
-                None if bounds.inflated(margin).contains(&from.near) && self.is_inside(&from, triangles)? => {
+                None if bounds.inflated(margin).contains(&from.near) && self.is_inside(&from, triangles())? => {
                     label.push(leaf as u32)
                 }
                 None => {}
             }
         }
-        Ok((cell, label))
+        Ok(Some(label))
     }
 
     /// A point strictly inside a sub-cell: the barycentre of an ear of its outer loop that holds no other point.

@@ -11,7 +11,7 @@ use crate::geom::polygon;
 use rayon::prelude::*;
 
 /// All cells in the order of their first facets.
-pub(super) fn assemble(body: &Body, sheets: &Sheets, tolerance: f64, names: Names) -> Outcome<Conforming> {
+pub(super) fn assemble(body: &Body, sheets: Sheets, tolerance: f64, names: Names) -> Outcome<Conforming> {
     let mut sheet_at = vec![u32::MAX; body.facet_count()];
     for (k, sheet) in sheets.sheets.iter().enumerate() {
         sheet_at[sheets.outlines[sheet.members[0] as usize].facet as usize] = k as u32;
@@ -33,7 +33,7 @@ pub(super) fn assemble(body: &Body, sheets: &Sheets, tolerance: f64, names: Name
     let drafts: Vec<_> =
         if starts.len() >= PARALLEL_FROM { starts.par_iter().map(draft).collect() } else { starts.iter().map(draft).collect() };
     let mut errors = Tally::default();
-    let mut all = Collector::default();
+    let mut all = Collector { last: NumberMap::with_capacity_and_hasher(starts.len(), Default::default()), ..Default::default() };
     for (mut found, &start) in drafts.into_iter().zip(&starts) {
         found.iter_mut().flatten().for_each(|d| d.sheet = start);
         match found {
@@ -46,7 +46,9 @@ pub(super) fn assemble(body: &Body, sheets: &Sheets, tolerance: f64, names: Name
     if !errors.is_empty() {
         return Err(errors.finish().into_iter().take(MAX_MESSAGES).collect());
     }
-    Ok(finish(body, all.drafts, tolerance))
+    // Contact moves a vertex within the coarser tolerance: then also towards leaves for which a finer one holds.
+    let is_uniform = body.tolerances.windows(2).all(|w| w[0] == w[1]);
+    Ok(finish(body, all.drafts, tolerance, |facet| !is_uniform || sheets.slot[facet as usize] != u32::MAX))
 }
 
 fn unresolved(body: &Body, facet: u32, tangled: Tangled, names: Names) -> Diagnostic {
@@ -135,7 +137,7 @@ fn outline_key(loops: &[Vec<u32>]) -> (Vec<u32>, bool) {
     (key, is_reversed)
 }
 
-fn finish(body: &Body, drafts: Vec<Draft>, tolerance: f64) -> Conforming {
+fn finish(body: &Body, drafts: Vec<Draft>, tolerance: f64, is_near: impl Fn(u32) -> bool) -> Conforming {
     let mut out = Conforming { points: body.points.clone(), tolerance, ..Conforming::default() };
     out.cells.reserve(drafts.len());
     for mut draft in drafts {
@@ -151,7 +153,12 @@ fn finish(body: &Body, drafts: Vec<Draft>, tolerance: f64) -> Conforming {
         };
         out.cell_of_triangle.resize(out.triangles.len() + draft.triangles.len(), out.cells.len() as u32);
         out.triangles.extend(&draft.triangles);
-        out.cells.push(Cell { owners: draft.owners.iter().map(owner).collect(), loops: draft.loops, sheet: draft.sheet });
+        out.cells.push(Cell {
+            owners: draft.owners.iter().map(owner).collect(),
+            loops: draft.loops,
+            sheet: draft.sheet,
+            is_near: draft.owners.iter().any(|o| is_near(o.0)),
+        });
     }
     out
 }

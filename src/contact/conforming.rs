@@ -1,5 +1,6 @@
 //! The output of the contact step: welded points and planar cells with explicit vertices.
 
+use super::candidates::FacetTrees;
 use crate::geom::Vec3;
 use crate::ids::LeafId;
 
@@ -20,6 +21,8 @@ pub struct Conforming {
     pub cells: Vec<Cell>,
     /// Tolerance used, in the scene's unit.
     pub tolerance: f64,
+    /// Boxes of the facets as they came.
+    pub trees: FacetTrees,
 }
 
 /// A planar polygon of one or several facets.
@@ -31,6 +34,8 @@ pub struct Cell {
     pub loops: Vec<Vec<u32>>,
     /// Cells of one sheet are cells of one triangulation: they share vertices and edges and nothing else.
     pub sheet: u32,
+    /// Whether a facet of another leaf comes near one of its facets: nothing can cut or touch other cells.
+    pub is_near: bool,
 }
 
 /// A facet that a cell is a piece of.

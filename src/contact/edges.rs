@@ -4,6 +4,7 @@ use super::body::Body;
 use super::weld::NumberMap;
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
+use crate::geom::lists::Lists;
 
 /// An edge of one or several leaves, from its lower to its higher point number.
 pub(super) struct Edge {
@@ -18,36 +19,6 @@ enum Place {
     Vertex,
     Edge(u32),
     Facet(u32),
-}
-
-/// A numbered list of lists in one allocation.
-#[derive(Default)]
-pub(super) struct Lists {
-    first: Vec<u32>,
-    items: Vec<u32>,
-}
-
-impl Lists {
-    /// `count` lists from pairs (list, item); each keeps the order of its pairs.
-    pub fn new(count: usize, pairs: &[(u32, u32)]) -> Self {
-        let mut first = vec![0; count + 1];
-        pairs.iter().for_each(|p| first[p.0 as usize + 1] += 1);
-        (0..count).for_each(|k| first[k + 1] += first[k]);
-        let (mut next, mut items) = (first.clone(), vec![0; pairs.len()]);
-        for &(list, item) in pairs {
-            items[next[list as usize] as usize] = item;
-            next[list as usize] += 1;
-        }
-        Self { first, items }
-    }
-    /// Whether all lists are empty.
-    pub fn is_empty(&self) -> bool {
-        self.items.is_empty()
-    }
-    /// One list.
-    pub fn of(&self, list: u32) -> &[u32] {
-        &self.items[self.first[list as usize] as usize..self.first[list as usize + 1] as usize]
-    }
 }
 
 /// Edges of the active facets: those that are in a pair of candidates. An edge that comes near a facet of another leaf has
@@ -97,7 +68,11 @@ impl EdgeSet {
                 }
             }
         }
-        uses.sort_unstable();
+        // Facets come by leaf, so that the uses of each edge are in order already.
+        let numbered: Vec<(u32, u32)> = uses.iter().zip(0..).map(|(u, k)| (u.0, k)).collect();
+        let by_number = Lists::new(set.edges.len(), &numbered);
+        let uses: Vec<(u32, u32, u32)> =
+            (0..set.edges.len() as u32).flat_map(|e| by_number.of(e)).map(|&k| uses[k as usize]).collect();
         let firsts = || uses.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)).map(|same| same[0]);
         let by_edge: Vec<(u32, u32)> = firsts().map(|u| (u.0, u.1)).collect();
         let by_facet: Vec<(u32, u32)> = firsts().map(|u| (u.2, u.0)).collect();

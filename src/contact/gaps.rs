@@ -1,14 +1,14 @@
 //! Leaves that come near each other without touching: most likely they were meant to touch.
 
 use super::body::Body;
-use super::candidates::facet_pairs;
+use super::candidates::FacetTrees;
 use super::conforming::Conforming;
 use super::outline::{Outline, sides};
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
 use crate::ids::LeafId;
 use crate::primitive::solid::Solid;
-use std::collections::BTreeMap;
+use std::ops::ControlFlow;
 
 /// Gaps up to this many tolerances are suspicious: whoever wants a gap writes one that a mesh can resolve.
 pub const GAP: f64 = 100.0;
@@ -27,45 +27,63 @@ pub struct Gap {
 /// All pairs of leaves that come nearer than [`GAP`] tolerances without touching or crossing, in ascending order, for the
 /// solids that `conforming` was made from. Whether they belong to one part is the caller's to know. O(n log n + pairs of facets).
 pub fn nearly_touching(solids: &[Solid], conforming: &Conforming) -> Vec<Gap> {
-    let body = Body::apart(solids, conforming.tolerance);
     let reach = GAP * conforming.tolerance;
-    let pairs = facet_pairs(&body, |_, _| reach);
+    let mut pairs = conforming.trees.leaf_pairs(|_, _| reach);
     let touching = touching(conforming);
-    // None: they cross, so that nothing counts any more.
-    let mut gaps: BTreeMap<[u32; 2], Option<Gap>> = BTreeMap::new();
+    pairs.retain(|pair| touching.binary_search(pair).is_err());
+    if pairs.is_empty() {
+        return Vec::new();
+    }
+    let body = Body::apart(solids, conforming.tolerance);
     let mut outlines: Vec<Option<Outline>> = std::iter::repeat_with(|| None).take(body.facet_count()).collect();
-    for pair in &pairs {
-        let leaves = pair.map(|f| body.leaf_of_facet[f as usize]);
-        if touching.binary_search(&leaves).is_ok() || gaps.get(&leaves).is_some_and(Option::is_none) {
-            continue;
-        }
-        for &f in pair {
+    pairs.iter().filter_map(|&leaves| gap(&body, &conforming.trees, &mut outlines, leaves, reach)).collect()
+}
+
+/// The gap between two leaves, unless it is wider than `reach` or they cross. `outlines` of facets are made when needed.
+fn gap(body: &Body, trees: &FacetTrees, outlines: &mut [Option<Outline>], leaves: [u32; 2], reach: f64) -> Option<Gap> {
+    let first = leaves.map(|l| body.first_facet[l as usize]);
+    let mut is_crossing = false;
+    // Of equal distances the one between the first facets counts, in whatever order they come.
+    let mut best: Option<(f64, [u32; 2], Vec3)> = None;
+    trees.visit(leaves, reach, |f, g| {
+        let pair = [first[0] + f, first[1] + g];
+        for f in pair {
             outlines[f as usize].get_or_insert_with(|| Outline::new(f, body.loops(f), None, &body.points));
         }
-        let [Some(f), Some(g)] = pair.map(|f| outlines[f as usize].as_ref()) else { continue };
+        let [Some(f), Some(g)] = pair.map(|f| outlines[f as usize].as_ref()) else { return ControlFlow::Continue(()) };
         match distance(f, g, reach, &body.points) {
             None => {
-                gaps.insert(leaves, None);
+                is_crossing = true;
+                return ControlFlow::Break(());
             }
-            Some((distance, place)) if distance <= reach => {
-                let found = Some(Gap { leaves: leaves.map(LeafId), distance, place });
-                let known = gaps.entry(leaves).or_insert(found);
-                if known.is_some_and(|k| k.distance > distance) {
-                    *known = found;
-                }
+            Some((distance, place))
+                if distance <= reach && best.is_none_or(|(d, p, _)| distance < d || distance == d && pair < p) =>
+            {
+                best = Some((distance, pair, place));
             }
             Some(_) => {}
         }
-    }
-    gaps.into_values().flatten().collect()
+        ControlFlow::Continue(())
+    });
+    let (distance, _, place) = best.filter(|_| !is_crossing)?;
+    Some(Gap { leaves: leaves.map(LeafId), distance, place })
 }
 
 /// Pairs of leaves that have a point in common, sorted.
 fn touching(conforming: &Conforming) -> Vec<[u32; 2]> {
+    // Nearly all points are of one leaf only.
+    let mut leaf_of = vec![u32::MAX; conforming.points.len()];
     let mut uses: Vec<(u32, u32)> = Vec::new();
     for (t, &cell) in conforming.triangles.iter().zip(&conforming.cell_of_triangle) {
         for owner in &conforming.cells[cell as usize].owners {
-            uses.extend(t.map(|v| (v, owner.leaf.0)));
+            for &v in t {
+                let known = &mut leaf_of[v as usize];
+                if *known == u32::MAX {
+                    *known = owner.leaf.0;
+                } else if *known != owner.leaf.0 {
+                    uses.extend([(v, *known), (v, owner.leaf.0)]);
+                }
+            }
         }
     }
     uses.sort_unstable();

@@ -46,6 +46,7 @@ pub use gaps::{GAP, Gap, nearly_touching};
 use crate::diag::{Name, Outcome};
 use crate::ids::LeafId;
 use crate::primitive::solid::Solid;
+use candidates::FacetTrees;
 use conforming::Conforming;
 
 /// All leaves over common points.
@@ -67,12 +68,14 @@ pub fn conform(
     names: &dyn Fn(LeafId) -> Name,
 ) -> Outcome<Conforming> {
     let mut body = body::Body::new(solids, tolerance, leaf_tolerance, names)?;
-    let pairs = candidates::facet_pairs(&body, |a, b| sheets::CHAIN_REACH * body.tolerance(a, b));
+    let widest = body.tolerances.iter().fold(0.0, |m: f64, &t| m.max(t));
+    let trees = FacetTrees::new(&body, (sheets::CHAIN_REACH * widest).max(GAP * tolerance));
+    let pairs = trees.facet_pairs(&body, |a, b| sheets::CHAIN_REACH * body.tolerance(a, b));
     let mut edges = edges::EdgeSet::new(&body, &pairs);
     crossings::connect(&mut body, &mut edges, &pairs, names)?;
     chords::join_walls(&mut body, &mut edges);
     let sheets = sheets::gather(&body, &mut edges, &pairs, names)?;
-    let conforming = assemble::assemble(&body, &sheets, tolerance, names)?;
+    let conforming = assemble::assemble(&body, sheets, tolerance, names)?;
     verify::verify(&body, &conforming, names)?;
-    Ok(conforming)
+    Ok(Conforming { trees, ..conforming })
 }

@@ -1,9 +1,10 @@
 //! Facets of one leaf that lie in one plane and hang together, as the triangles of an import do: walls.
 
 use super::body::Body;
-use super::edges::{EdgeSet, Lists};
+use super::edges::EdgeSet;
 use super::outline::Outline;
 use crate::geom::Vec3;
+use crate::geom::lists::Lists;
 use crate::geom::union_find::UnionFind;
 
 /// Sine of the angle between two facets up to which they are one wall: rounding of an import in single precision, no more than

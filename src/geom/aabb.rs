@@ -31,7 +31,14 @@ impl Aabb {
     }
     /// Whether the closed boxes share a point.
     pub fn overlaps(&self, other: &Self) -> bool {
-        (0..3).all(|k| self.lo[k] <= other.hi[k] && other.lo[k] <= self.hi[k])
+        // Without branches: boxes that reach this test are apart along any axis, and a processor cannot guess which.
+        let along = |k: usize| (self.lo[k] <= other.hi[k]) & (other.lo[k] <= self.hi[k]);
+        along(0) & along(1) & along(2)
+    }
+    /// Whether the distance along every axis is at most `margin`.
+    pub fn is_near(&self, other: &Self, margin: f64) -> bool {
+        let along = |k: usize| (self.lo[k] - other.hi[k] <= margin) & (other.lo[k] - self.hi[k] <= margin);
+        along(0) & along(1) & along(2)
     }
     /// Whether the point is in the closed box.
     pub fn contains(&self, p: &Vec3) -> bool {

@@ -138,27 +138,30 @@ impl Bvh {
     }
 
     /// Calls `visit` with every pair (item of this tree, item of `other`) whose boxes come nearer than `margin` along every
-    /// axis. Descends both trees together, so that pairs far apart cost nothing.
-    pub fn pairs(&self, other: &Self, margin: f64, mut visit: impl FnMut(u32, u32)) {
+    /// axis, until it breaks. Descends both trees together, so that pairs far apart cost nothing.
+    pub fn pairs(&self, other: &Self, margin: f64, mut visit: impl FnMut(u32, u32) -> ControlFlow<()>) {
         if self.nodes.is_empty() || other.nodes.is_empty() {
             return;
         }
-        let near = |a: &Aabb, b: &Aabb| (0..3).all(|k| a.lo[k] - b.hi[k] <= margin && b.lo[k] - a.hi[k] <= margin);
         let mut stack = vec![(0u32, 0u32)];
         while let Some((m, n)) = stack.pop() {
             let (a, b) = (&self.nodes[m as usize], &other.nodes[n as usize]);
-            if !near(&a.bounds, &b.bounds) {
+            if !a.bounds.is_near(&b.bounds, margin) {
                 continue;
             }
+            // The larger one is split, so that both shrink to what is near.
+            let is_smaller = || (a.bounds.hi - a.bounds.lo).norm_squared() < (b.bounds.hi - b.bounds.lo).norm_squared();
             match (a.count, b.count) {
-                (0, 0) if a.bounds.diagonal() < b.bounds.diagonal() => stack.extend([(m, b.first), (m, n + 1)]),
+                (0, 0) if is_smaller() => stack.extend([(m, b.first), (m, n + 1)]),
                 (0, _) => stack.extend([(a.first, n), (m + 1, n)]),
                 (_, 0) => stack.extend([(m, b.first), (m, n + 1)]),
                 _ => {
                     for &i in self.items_of(a) {
-                        for &j in other.items_of(b).iter().filter(|&&j| near(&self.boxes[i as usize], &other.boxes[j as usize]))
-                        {
-                            visit(i, j);
+                        let own = &self.boxes[i as usize];
+                        for &j in other.items_of(b).iter().filter(|&&j| own.is_near(&other.boxes[j as usize], margin)) {
+                            if visit(i, j).is_break() {
+                                return;
+                            }
                         }
                     }
                 }
@@ -182,10 +185,10 @@ impl Bvh {
 }
 
 fn split(keyed: &mut [(u32, [f64; 3])], offset: usize, boxes: &[Aabb], nodes: &mut Vec<Node>) {
-    let bounds = keyed.iter().fold(Aabb::EMPTY, |b, k| b.union(&boxes[k.0 as usize]));
     let me = nodes.len();
-    nodes.push(Node { bounds, first: offset as u32, count: keyed.len() as u32 });
+    nodes.push(Node { bounds: Aabb::EMPTY, first: offset as u32, count: keyed.len() as u32 });
     if keyed.len() <= LEAF_SIZE {
+        nodes[me].bounds = keyed.iter().fold(Aabb::EMPTY, |b, k| b.union(&boxes[k.0 as usize]));
         return;
     }
     let (mut lo, mut hi) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
@@ -200,9 +203,9 @@ fn split(keyed: &mut [(u32, [f64; 3])], offset: usize, boxes: &[Aabb], nodes: &m
     keyed.select_nth_unstable_by(middle, |a, b| a.1[axis].total_cmp(&b.1[axis]).then(a.0.cmp(&b.0)));
     let (left, right) = keyed.split_at_mut(middle);
     split(left, offset, boxes, nodes);
-    nodes[me].first = nodes.len() as u32;
-    nodes[me].count = 0;
+    let next = nodes.len();
     split(right, offset + middle, boxes, nodes);
+    nodes[me] = Node { bounds: nodes[me + 1].bounds.union(&nodes[next].bounds), first: next as u32, count: 0 };
 }
 
 #[cfg(test)]
@@ -253,7 +256,10 @@ mod tests {
         }
         let (left, right) = (Bvh::new(boxes[..200].to_vec()), Bvh::new(boxes[200..].to_vec()));
         let mut found = Vec::new();
-        left.pairs(&right, 0.1003, |i, j| found.push((i, j)));
+        left.pairs(&right, 0.1003, |i, j| {
+            found.push((i, j));
+            ControlFlow::Continue(())
+        });
         found.sort_unstable();
         let near = |i: usize, j: usize| boxes[i].inflated(0.1003).overlaps(&boxes[200 + j]);
         let all: Vec<(u32, u32)> = (0..200)

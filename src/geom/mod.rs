@@ -5,6 +5,7 @@ pub mod bvh;
 pub mod dd;
 pub mod embedding;
 pub mod hash;
+pub mod lists;
 pub mod polygon;
 pub mod predicates;
 pub mod union_find;

@@ -85,35 +85,35 @@ fn within(loops: &[Vec<u32>], points: &[Vec3]) -> impl Fn(&Vec3) -> bool + use<>
 
 /// For every used place the place that represents it.
 fn number_places(facets: &Loops, places: &[Vec3], explicit: usize, reach: f64) -> Vec<u32> {
-    let mut used: Vec<u32> = facets.iter().flatten().flatten().copied().collect();
-    used.sort_unstable();
-    used.dedup();
+    let mut is_used = vec![false; places.len()];
+    for &p in facets.iter().flatten().flatten() {
+        is_used[p as usize] = true;
+    }
     let mut number: Vec<u32> = (0..places.len() as u32).collect();
-    if used.last().is_none_or(|&p| (p as usize) < explicit) {
+    // A grid of twice the reach: what is near lies in at most eight cells. Only the cells that an intersection point sees matter.
+    let cell = 2.0 * reach;
+    let key = |p: usize, d: f64| [0, 1, 2].map(|k| ((places[p][k] + d) / cell).floor() as i64);
+    let cells_near = |p: usize| {
+        let (lo, hi) = (key(p, -reach), key(p, reach));
+        let line = move |x: i64, y: i64| (lo[2]..=hi[2]).map(move |z| [x, y, z]);
+        (lo[0]..=hi[0]).flat_map(move |x| (lo[1]..=hi[1]).flat_map(move |y| line(x, y)))
+    };
+    let intersections = || (explicit.min(places.len())..places.len()).filter(|&p| is_used[p]);
+    let mut grid: IndexMap<[i64; 3], Vec<u32>> =
+        intersections().flat_map(cells_near).map(|seen| (seen, Vec::new())).collect();
+    if grid.is_empty() {
         return number;
     }
-    // A grid of twice the reach: what is near lies in at most eight cells.
-    let cell = 2.0 * reach;
-    let mut grid: IndexMap<[i64; 3], Vec<u32>> = IndexMap::default();
-    for p in used {
-        let at = places[p as usize];
-        let near = |d: f64| [0, 1, 2].map(|k| ((at[k] + d) / cell).floor() as i64);
-        let (lo, hi, own) = (near(-reach), near(reach), near(0.0));
-        let mut found = None;
-        if p as usize >= explicit {
-            for x in lo[0]..=hi[0] {
-                for y in lo[1]..=hi[1] {
-                    for z in lo[2]..=hi[2] {
-                        let close =
-                            grid.get(&[x, y, z]).into_iter().flatten().find(|&&q| (places[q as usize] - at).norm() <= reach);
-                        found = found.or(close.copied());
-                    }
-                }
-            }
+    for p in (0..explicit).filter(|&p| is_used[p]) {
+        if let Some(here) = grid.get_mut(&key(p, 0.0)) {
+            here.push(p as u32);
         }
-        match found {
-            Some(q) => number[p as usize] = q,
-            None => grid.entry(own).or_default().push(p),
+    }
+    for p in intersections() {
+        let is_close = |q: &&u32| (places[**q as usize] - places[p]).norm() <= reach;
+        match cells_near(p).find_map(|seen| grid.get(&seen)?.iter().find(is_close).copied()) {
+            Some(q) => number[p] = q,
+            None => grid.entry(key(p, 0.0)).or_default().push(p as u32),
         }
     }
     number

@@ -1,8 +1,9 @@
 //! Vertices left in the middle of a straight edge go.
 
 use crate::geom::Vec3;
+use crate::geom::lists::Lists;
 
-/// Neighbours of every point along the rims of all facets.
+/// Neighbours of every point along the rims of all facets, ascending.
 struct Rims {
     neighbours: Vec<u32>,
     ends: Vec<u32>,
@@ -14,20 +15,20 @@ impl Rims {
         for walk in facets.iter().flatten().filter(|w| w.len() > 1) {
             for (k, &a) in walk.iter().enumerate() {
                 let b = walk[(k + 1) % walk.len()];
-                pairs.push((a, b));
-                pairs.push((b, a));
+                pairs.extend([(a, b), (b, a)]);
             }
         }
-        pairs.sort_unstable();
-        pairs.dedup();
-        let mut ends = vec![0u32; count + 1];
-        for p in &pairs {
-            ends[p.0 as usize + 1] += 1;
+        let all = Lists::new(count, &pairs);
+        let (mut neighbours, mut ends, mut own) = (Vec::with_capacity(pairs.len() / 2), vec![0], Vec::new());
+        for p in 0..count as u32 {
+            own.clear();
+            own.extend_from_slice(all.of(p));
+            own.sort_unstable();
+            own.dedup();
+            neighbours.extend_from_slice(&own);
+            ends.push(neighbours.len() as u32);
         }
-        for k in 0..count {
-            ends[k + 1] += ends[k];
-        }
-        Self { neighbours: pairs.into_iter().map(|p| p.1).collect(), ends }
+        Self { neighbours, ends }
     }
 
     fn of(&self, p: u32) -> &[u32] {

@@ -3,6 +3,8 @@
 use crate::brep::complex::Complex;
 use crate::geom::Vec3;
 use crate::geom::hash::IndexMap;
+use crate::geom::lists::Lists;
+use crate::ids::SurfaceId;
 use crate::primitive::solid::{Freedom, Solid};
 
 /// Corners of the leaves stay fixed; else one surface around a vertex lets it move on it, two on their common curve (an
@@ -15,25 +17,24 @@ pub fn assign(complex: &mut Complex, solids: &[Solid]) {
             corners.insert(key(&v.point), ());
         }
     }
-    let mut around: Vec<(u32, u32)> = Vec::new();
+    let mut uses: Vec<(u32, u32)> = Vec::new();
     for facet in &complex.facets {
-        around.extend(facet.loops.iter().flatten().map(|v| (v.0, facet.surface.0)));
+        uses.extend(facet.loops.iter().flatten().map(|v| (v.0, facet.surface.0)));
     }
-    around.sort_unstable();
-    around.dedup();
-    let mut rest = &around[..];
-    while let Some(&(vertex, _)) = rest.first() {
-        let count = rest.iter().take_while(|a| a.0 == vertex).count();
-        let (mine, others) = rest.split_at(count);
-        rest = others;
-        let vertex = &mut complex.vertices[crate::ids::VertexId(vertex)];
-        vertex.freedom = match mine {
+    let surfaces_at = Lists::new(complex.vertices.len(), &uses);
+    let leaf = |s: u32| complex.surfaces[SurfaceId(s)].leaf;
+    let mut around: Vec<u32> = Vec::new();
+    for (k, vertex) in complex.vertices.iter_mut().enumerate() {
+        around.clear();
+        around.extend_from_slice(surfaces_at.of(k as u32));
+        around.sort_unstable();
+        around.dedup();
+        vertex.freedom = match around[..] {
+            [] => vertex.freedom,
             _ if corners.contains_key(&key(&vertex.point)) => Freedom::Fixed,
             [_] => Freedom::Surface,
-            [a, b] => {
-                let leaf = |s: u32| complex.surfaces[crate::ids::SurfaceId(s)].leaf;
-                if leaf(a.1) == leaf(b.1) { Freedom::Edge } else { Freedom::Intersection }
-            }
+            [a, b] if leaf(a) == leaf(b) => Freedom::Edge,
+            [_, _] => Freedom::Intersection,
             _ => Freedom::Fixed,
         };
     }

@@ -7,6 +7,9 @@ use crate::contact::conforming::Owner;
 use crate::geom::union_find::UnionFind;
 use crate::ids::{Id, LeafId, MarkerId};
 
+/// Walks up to which comparing all pairs is faster than sorting.
+const SHORT_WALK: usize = 16;
+
 /// `source_of`: for each retained piece, which of its owners it counts as a piece of. Merges across every edge at which exactly two retained pieces meet that come from the same facet, and have the same volumes in
 /// front and behind and the same marker.
 pub fn merge(
@@ -140,16 +143,11 @@ fn put_outer_first(arrangement: &Arrangement, loops: &mut [Vec<u32>]) {
 /// Cuts a walk at vertices that it visits twice, so that every loop is simple: a hole that touches the rim in a vertex becomes a
 /// loop of its own, an edge that is walked back and forth a loop of two.
 fn split_simple(walk: Vec<u32>, loops: &mut Vec<Vec<u32>>) {
-    let mut path: Vec<u32> = Vec::with_capacity(walk.len());
-    let has_repeats = {
-        let mut sorted = walk.clone();
-        sorted.sort_unstable();
-        sorted.windows(2).any(|w| w[0] == w[1])
-    };
-    if !has_repeats {
+    if !has_repeats(&walk) {
         loops.push(walk);
         return;
     }
+    let mut path: Vec<u32> = Vec::with_capacity(walk.len());
     for v in walk {
         if let Some(k) = path.iter().position(|&w| w == v) {
             loops.push(path.split_off(k));
@@ -157,6 +155,15 @@ fn split_simple(walk: Vec<u32>, loops: &mut Vec<Vec<u32>>) {
         path.push(v);
     }
     loops.push(path);
+}
+
+fn has_repeats(walk: &[u32]) -> bool {
+    if walk.len() <= SHORT_WALK {
+        return walk.iter().enumerate().any(|(k, v)| walk[..k].contains(v));
+    }
+    let mut sorted = walk.to_vec();
+    sorted.sort_unstable();
+    sorted.windows(2).any(|w| w[0] == w[1])
 }
 
 /// A point inside a merged facet stays listed if another facet has it on its rim.
