@@ -43,7 +43,8 @@ pub struct Model {
 pub fn run(path: &Path, overrides: &[(String, String)], mut timings: Timings) -> Outcome<Model> {
     let loaded = timings.measure("scene", || scene::load(path, overrides, &Limits::default()))?;
     let (scene, warnings) = (loaded.scene, loaded.warnings);
-    build(scene, warnings.clone(), timings).map_err(|faults| [warnings, faults].concat())
+    // Inside the pool of threads, so that each parallel loop does not have to wake it.
+    rayon::scope(|_| build(scene, warnings.clone(), timings)).map_err(|faults| [warnings, faults].concat())
 }
 
 fn build(scene: Scene, mut warnings: Vec<Diagnostic>, mut timings: Timings) -> Outcome<Model> {

@@ -47,6 +47,26 @@ pub struct Place {
     pub at: Vec3,
     /// Bound of the error of each coordinate; 0 if exact.
     pub error: f64,
+    /// What rounding took from the coordinates, as far as it is known.
+    low: Vec3,
+    /// Bound of the error of each coordinate together with `low`.
+    fine_error: f64,
+}
+
+impl Place {
+    fn exactly(at: Vec3) -> Self {
+        Self { at, error: 0.0, low: Vec3::zeros(), fine_error: 0.0 }
+    }
+    /// A coordinate in double-double.
+    fn fine(&self, axis: usize) -> Dd {
+        Dd { hi: self.at[axis], lo: self.low[axis] }
+    }
+    /// The difference of a coordinate if its sign is certain in double-double.
+    fn fine_difference(&self, other: &Self, axis: usize) -> Option<f64> {
+        let difference = (self.fine(axis) - other.fine(axis)).hi;
+        let bound = (self.fine_error + other.fine_error) * (1.0 + 4.0 * f64::EPSILON);
+        (difference.abs() * (1.0 - OPERATIONS * dd::UNIT) > bound).then_some(difference)
+    }
 }
 
 /// How often signs needed which stage.
@@ -128,7 +148,7 @@ impl<'a> Points<'a> {
     /// Rounded place.
     pub fn place(&self, p: u32) -> Place {
         match self.explicit.get(p as usize) {
-            Some(&at) => Place { at, error: 0.0 },
+            Some(&at) => Place::exactly(at),
             None => self.implicit[p as usize - self.explicit.len()].place,
         }
     }
@@ -197,7 +217,9 @@ impl<'a> Points<'a> {
                     for &p in found {
                         let other = self.place(p);
                         let apart = place.error + other.error;
-                        if (0..3).any(|k| (other.at[k] - place.at[k]).abs() > apart) {
+                        if (0..3).any(|k| (other.at[k] - place.at[k]).abs() > apart)
+                            || (0..3).any(|k| other.fine_difference(&place, k).is_some())
+                        {
                             continue;
                         }
                         let mine = exact.get_or_insert_with(|| self.integers().place(&source));
@@ -226,7 +248,7 @@ impl<'a> Points<'a> {
     /// Rounded place of a source, with a bound of its error.
     pub fn round(&self, source: &Source) -> Place {
         let place = match source {
-            Source::Explicit(v) => return Place { at: self.explicit[*v as usize], error: 0.0 },
+            Source::Explicit(v) => return Place::exactly(self.explicit[*v as usize]),
             Source::LinePlane { line, plane } => {
                 let [p, q] = line.map(|v| &self.explicit[v as usize]);
                 let [r, s, t] = plane.map(|v| &self.explicit[v as usize]);
@@ -243,7 +265,8 @@ impl<'a> Points<'a> {
         place.filter(|p| p.error <= self.worst).unwrap_or_else(|| {
             let exact = self.integers().place(source);
             let at = Vec3::from_fn(|k, _| exact::to_f64(&exact, k, self.exponent));
-            Place { at, error: at.amax() * 2.0 * f64::EPSILON + f64::MIN_POSITIVE }
+            let error = at.amax() * 2.0 * f64::EPSILON + f64::MIN_POSITIVE;
+            Place { at, error, low: Vec3::zeros(), fine_error: error }
         })
     }
 
@@ -270,6 +293,9 @@ impl<'a> Points<'a> {
         if det.abs() > bound {
             return predicates::sign(det);
         }
+        if let Some(sign) = fine_orient2d([&pa, &pb, &pc], projection) {
+            return sign;
+        }
         self.counts.exact.fetch_add(1, Memory::Relaxed);
         exact::orient2d(&self.exact(a), &self.exact(b), &self.exact(c), projection.u as usize, projection.v as usize)
     }
@@ -285,9 +311,28 @@ impl<'a> Points<'a> {
         if error == 0.0 || difference.abs() > error * (1.0 + 4.0 * f64::EPSILON) {
             return difference.partial_cmp(&0.0).unwrap_or(Ordering::Equal);
         }
+        if let Some(difference) = pa.fine_difference(&pb, axis) {
+            return difference.partial_cmp(&0.0).unwrap_or(Ordering::Equal);
+        }
         self.counts.exact.fetch_add(1, Memory::Relaxed);
         exact::compare(&self.exact(a), &self.exact(b), axis)
     }
+}
+
+/// The sign of a turn if it is certain in double-double: two triangles of one polygon are not quite in one plane, and the lines
+/// in which they cross a third differ in the last digit.
+fn fine_orient2d([a, b, c]: [&Place; 3], projection: Projection) -> Option<Sign> {
+    let (u, v) = (projection.u as usize, projection.v as usize);
+    let (x1, y1) = (b.fine(u) - a.fine(u), b.fine(v) - a.fine(v));
+    let (x2, y2) = (c.fine(u) - a.fine(u), c.fine(v) - a.fine(v));
+    let (m1, m2) = (x1 * y2, y1 * x2);
+    let span = [x1, y1, x2, y2].iter().map(|x| x.magnitude()).sum::<f64>();
+    // As in the filter before, with the rounding of double-double.
+    let unit = OPERATIONS * dd::UNIT;
+    let slack = a.fine_error + b.fine_error + c.fine_error + unit * span;
+    let bound = 2.0 * slack * (span + slack) + unit * (m1.magnitude() + m2.magnitude());
+    let det = (m1 - m2).hi;
+    (det.abs() > bound).then(|| predicates::sign(det))
 }
 
 fn is_same(a: &ExactPoint, b: &ExactPoint) -> bool {
@@ -316,6 +361,13 @@ fn size(a: &D3) -> f64 {
 /// Room for the few dozen double-double operations that make one coordinate.
 const OPERATIONS: f64 = 64.0;
 
+/// A place in double-double that is off by `error` before its last addition.
+fn rounded(place: D3, error: f64) -> Place {
+    let at = Vec3::from_fn(|k, _| place[k].hi);
+    let low = Vec3::from_fn(|k, _| place[k].lo);
+    Place { at, error: error + at.amax() * f64::EPSILON, low, fine_error: error + at.amax() * OPERATIONS * dd::UNIT }
+}
+
 /// `p + (q - p) num / den` with the errors of `num` and `den` given.
 fn along(p: &Vec3, step: &D3, num: Dd, num_error: f64, den: Dd, den_error: f64) -> Option<Place> {
     if den.magnitude() <= 2.0 * den_error {
@@ -324,9 +376,8 @@ fn along(p: &Vec3, step: &D3, num: Dd, num_error: f64, den: Dd, den_error: f64) 
     let t = num / den;
     let t_error =
         (num_error + t.magnitude() * den_error) / (den.magnitude() - den_error) + OPERATIONS * dd::UNIT * t.magnitude();
-    let at = Vec3::from_fn(|k, _| (Dd::from(p[k]) + step[k] * t).hi);
-    let error = size(step) * (t_error + OPERATIONS * dd::UNIT * t.magnitude()) + at.amax() * f64::EPSILON;
-    Some(Place { at, error })
+    let error = size(step) * (t_error + OPERATIONS * dd::UNIT * t.magnitude());
+    Some(rounded([0, 1, 2].map(|k| Dd::from(p[k]) + step[k] * t), error))
 }
 
 fn line_plane(p: &Vec3, q: &Vec3, r: &Vec3, s: &Vec3, t: &Vec3) -> Option<Place> {
@@ -359,9 +410,8 @@ fn three_planes(planes: &[[Vec3; 3]; 3]) -> Option<Place> {
     }
     let reach = offsets.iter().map(size).fold(0.0, f64::max);
     let moved: D3 = [0, 1, 2].map(|k| (d[0] * c23[k] + d[1] * c31[k] + d[2] * c12[k]) / w);
-    let at = Vec3::from_fn(|k, _| (Dd::from(origin[k]) + moved[k]).hi);
-    let error = 4.0 * scale * (reach + size(&moved)) / (w.magnitude() - scale) + at.amax() * f64::EPSILON;
-    Some(Place { at, error })
+    let error = 4.0 * scale * (reach + size(&moved)) / (w.magnitude() - scale);
+    Some(rounded([0, 1, 2].map(|k| Dd::from(origin[k]) + moved[k]), error))
 }
 
 #[cfg(test)]

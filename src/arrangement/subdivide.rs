@@ -14,9 +14,8 @@ type Piece = Vec<Vec<u32>>;
 /// Cuts every triangle into its pieces, in triangle order.
 pub fn subdivide<'a>(mesh: &Mesh<'a>, graph: &Graph, points: &Points) -> SubCells<'a> {
     let count = mesh.triangles.len();
-    let is_touched = |t: u32| {
-        graph.drawing(t).is_some() || (0..3).any(|k| !graph.edge_points[mesh.edge_of(t, k) as usize].is_empty())
-    };
+    let is_touched =
+        |t: u32| graph.drawing(t).is_some() || (0..3).any(|k| !graph.edge_points[mesh.edge_of(t, k) as usize].is_empty());
     let touched: Vec<u32> = mesh.near.iter().copied().filter(|&t| is_touched(t)).collect();
     let cut = |&t: &u32| Drawn::new(mesh, graph, points, t).pieces();
     let pieces: Vec<Vec<Piece>> = if touched.len() < 256 {

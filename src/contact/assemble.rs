@@ -5,13 +5,14 @@ use super::candidates::PARALLEL_FROM;
 use super::cells::{self, Draft, Tangled};
 use super::conforming::{Cell, Conforming, Owner};
 use super::sheets::Sheets;
-use super::weld::{MAX_MESSAGES, NumberMap};
+use super::weld::MAX_MESSAGES;
 use crate::diag::{Diagnostic, Outcome, Tally};
+use crate::geom::hash::IndexMap;
 use crate::geom::polygon;
 use rayon::prelude::*;
 
 /// All cells in the order of their first facets.
-pub(super) fn assemble(body: &Body, sheets: Sheets, tolerance: f64, names: Names) -> Outcome<Conforming> {
+pub(super) fn assemble(body: &Body, mut sheets: Sheets, tolerance: f64, names: Names) -> Outcome<Conforming> {
     let mut sheet_at = vec![u32::MAX; body.facet_count()];
     for (k, sheet) in sheets.sheets.iter().enumerate() {
         sheet_at[sheets.outlines[sheet.members[0] as usize].facet as usize] = k as u32;
@@ -22,20 +23,24 @@ pub(super) fn assemble(body: &Body, sheets: Sheets, tolerance: f64, names: Names
         .collect();
     let draft = |&f: &u32| -> Result<Vec<Draft>, (u32, Tangled)> {
         let drafts = match sheets.sheets.get(sheet_at[f as usize] as usize) {
-            None => cells::plain(f, body.loops(f), &body.points).map(|d| vec![d]),
-            Some(s) if s.is_plain() => {
-                cells::plain(f, sheets.outlines[s.reference as usize].loops.clone(), &body.points).map(|d| vec![d])
-            }
-            Some(s) => cells::trace(s, &sheets.outlines, &body.points, tolerance),
+            None => cells::plain(f, body.loops(f), body).map(|d| vec![d]),
+            Some(s) if s.is_plain() => cells::whole(f, &sheets.outlines[s.reference as usize].loops, body).map(|d| vec![d]),
+            Some(s) => cells::trace(s, &sheets.outlines, body, tolerance),
         };
         drafts.map_err(|t| (f, t))
     };
     let drafts: Vec<_> =
         if starts.len() >= PARALLEL_FROM { starts.par_iter().map(draft).collect() } else { starts.iter().map(draft).collect() };
     let mut errors = Tally::default();
-    let mut all = Collector { last: NumberMap::with_capacity_and_hasher(starts.len(), Default::default()), ..Default::default() };
+    let mut all =
+        Collector { last: IndexMap::with_capacity_and_hasher(starts.len(), Default::default()), ..Default::default() };
     for (mut found, &start) in drafts.into_iter().zip(&starts) {
         found.iter_mut().flatten().for_each(|d| d.sheet = start);
+        if let (Ok([whole]), Some(sheet)) = (found.as_deref_mut(), sheets.sheets.get(sheet_at[start as usize] as usize))
+            && sheet.is_plain()
+        {
+            whole.loops = std::mem::take(&mut sheets.outlines[sheet.reference as usize].loops);
+        }
         match found {
             // What has no contact cannot coincide with anything.
             Ok(list) if sheets.slot[start as usize] == u32::MAX => all.drafts.extend(list),
@@ -64,7 +69,7 @@ fn unresolved(body: &Body, facet: u32, tangled: Tangled, names: Names) -> Diagno
 struct Collector {
     drafts: Vec<Draft>,
     /// The last cell of each short key.
-    last: NumberMap<[u32; 4], u32>,
+    last: IndexMap<[u32; 4], u32>,
     /// For each cell with a key, the one before of the same key.
     previous: Vec<u32>,
 }
@@ -90,7 +95,7 @@ impl Collector {
         let is_reversed = outline_key(&draft.loops).1;
         let kept = &mut self.drafts[slot as usize];
         let is_flipped = outline_key(&kept.loops).1 != is_reversed;
-        kept.owners.extend(draft.owners.iter().map(|o| (o.0, o.1 != is_flipped)));
+        kept.owners.extend(draft.owners.iter().map(|o| Owner { is_flipped: o.is_flipped != is_flipped, ..*o }));
         if draft.chains != kept.chains || draft.lone != kept.lone {
             kept.chains.extend(draft.chains);
             kept.chains.sort_unstable();
@@ -142,22 +147,18 @@ fn finish(body: &Body, drafts: Vec<Draft>, tolerance: f64, is_near: impl Fn(u32)
     out.cells.reserve(drafts.len());
     for mut draft in drafts {
         draft.owners.sort_unstable();
-        let turn = draft.owners.first().is_some_and(|o| o.1);
-        if turn {
+        if draft.owners.first().is_some_and(|o| o.is_flipped) {
+            draft.owners.iter_mut().for_each(|o| o.is_flipped = !o.is_flipped);
             draft.loops.iter_mut().for_each(|w| w.reverse());
             draft.triangles.iter_mut().for_each(|t| t.swap(1, 2));
         }
-        let owner = |&(f, is_flipped): &(u32, bool)| {
-            let leaf = body.leaf(f);
-            Owner { leaf, facet: f - body.first_facet[leaf.0 as usize], is_flipped: is_flipped != turn }
-        };
         out.cell_of_triangle.resize(out.triangles.len() + draft.triangles.len(), out.cells.len() as u32);
         out.triangles.extend(&draft.triangles);
         out.cells.push(Cell {
-            owners: draft.owners.iter().map(owner).collect(),
+            is_near: draft.owners.iter().any(|o| is_near(body.first_facet[o.leaf.0 as usize] + o.facet)),
+            owners: draft.owners,
             loops: draft.loops,
             sheet: draft.sheet,
-            is_near: draft.owners.iter().any(|o| is_near(o.0)),
         });
     }
     out

@@ -1,5 +1,6 @@
 //! The leaves under one numbering of facets, over welded points.
 
+use super::conforming::Owner;
 use super::outline::sides;
 use super::weld::{self, PointGrid, Welded};
 use crate::diag::{Name, Outcome};
@@ -94,6 +95,17 @@ impl<'a> Body<'a> {
     pub fn bounds(&self, facet: u32) -> Aabb {
         let vertices = &self.solids[self.leaf_of_facet[facet as usize] as usize].vertices;
         Aabb::around(self.own_loops(facet).first().into_iter().flatten().map(|&v| &vertices[v as usize].point))
+    }
+    /// The box of a facet over welded points.
+    pub fn welded_bounds(&self, facet: u32) -> Aabb {
+        let ids = self.points_of_leaf(self.leaf_of_facet[facet as usize]);
+        let outer = self.own_loops(facet).first().into_iter().flatten();
+        Aabb::around(outer.map(|&v| &self.points[ids[v as usize] as usize]))
+    }
+    /// A facet as the owner of a cell.
+    pub fn owner(&self, facet: u32, is_flipped: bool) -> Owner {
+        let leaf = self.leaf(facet);
+        Owner { leaf, facet: facet - self.first_facet[leaf.0 as usize], is_flipped }
     }
     /// Leaf of a facet as an id.
     pub fn leaf(&self, facet: u32) -> LeafId {

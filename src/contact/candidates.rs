@@ -19,8 +19,10 @@ pub struct FacetTrees {
 impl FacetTrees {
     /// Trees for searches up to `reach`. O(n log n).
     pub(super) fn new(body: &Body, reach: f64) -> Self {
-        let mut found =
-            Self { leaf_boxes: body.solids.iter().map(|s| Aabb::around(s.vertices.iter().map(|v| &v.point))).collect(), trees: vec![] };
+        let mut found = Self {
+            leaf_boxes: body.solids.iter().map(|s| Aabb::around(s.vertices.iter().map(|v| &v.point))).collect(),
+            trees: vec![],
+        };
         let mut has_neighbour = vec![false; body.solids.len()];
         for [a, b] in found.leaf_pairs(|_, _| reach) {
             (has_neighbour[a as usize], has_neighbour[b as usize]) = (true, true);

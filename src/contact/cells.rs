@@ -1,5 +1,7 @@
 //! A sheet to its cells: one constrained triangulation over all its edges, whose pieces are the cells.
 
+use super::body::Body;
+use super::conforming::Owner;
 use super::cuts;
 use super::outline::{Outline, passes, sides};
 use super::sheets::Sheet;
@@ -17,8 +19,8 @@ type HalfEdge<'a> = DirectedEdgeHandle<'a, Point2<f64>, (), spade::CdtEdge<()>, 
 pub(super) struct Draft {
     /// Number of the sheet that it is a cell of.
     pub sheet: u32,
-    /// Facets (of the whole scene) and whether they look the other way.
-    pub owners: Vec<(u32, bool)>,
+    /// The facets that it is a piece of.
+    pub owners: Vec<Owner>,
     /// Outer loop first, counter-clockwise, then holes.
     pub loops: Vec<Vec<u32>>,
     /// Edges inside that divide nothing.
@@ -34,21 +36,30 @@ pub(super) struct Tangled {
     pub point: u32,
 }
 
-/// The cell of a facet on which nothing lies.
-pub(super) fn plain(facet: u32, loops: Vec<Vec<u32>>, points: &[Vec3]) -> Result<Draft, Tangled> {
-    let first = loops.first().and_then(|w| w.first()).copied().unwrap_or(0);
-    let slices: Vec<&[u32]> = loops.iter().map(Vec::as_slice).collect();
-    match polygon::triangulate(&slices, &[], &[], points) {
-        Ok(triangles) => Ok(Draft { owners: vec![(facet, false)], loops, triangles, ..Draft::default() }),
-        Err(_) => Err(Tangled { point: first }),
+/// The cell of a facet on which nothing lies, yet without its loops.
+pub(super) fn whole(facet: u32, loops: &[Vec<u32>], body: &Body) -> Result<Draft, Tangled> {
+    let triangles = match loops {
+        [walk] => polygon::triangulate(&[walk], &[], &[], &body.points),
+        _ => polygon::triangulate(&loops.iter().map(Vec::as_slice).collect::<Vec<_>>(), &[], &[], &body.points),
+    };
+    match triangles {
+        Ok(triangles) => Ok(Draft { owners: vec![body.owner(facet, false)], triangles, ..Draft::default() }),
+        Err(_) => Err(Tangled { point: loops.first().and_then(|w| w.first()).copied().unwrap_or(0) }),
     }
 }
 
+/// The cell of a facet, or a piece of one, on which nothing lies.
+pub(super) fn plain(facet: u32, loops: Vec<Vec<u32>>, body: &Body) -> Result<Draft, Tangled> {
+    let draft = whole(facet, &loops, body)?;
+    Ok(Draft { loops, ..draft })
+}
+
 /// The cells of a sheet, counter-clockwise about the normal of its reference facet. O(n log n) in its edges, plus the owners.
-pub(super) fn trace(sheet: &Sheet, outlines: &[Outline], points: &[Vec3], tolerance: f64) -> Result<Vec<Draft>, Tangled> {
-    if let Some(drafts) = cuts::cut(sheet, outlines, points, tolerance) {
+pub(super) fn trace(sheet: &Sheet, outlines: &[Outline], body: &Body, tolerance: f64) -> Result<Vec<Draft>, Tangled> {
+    if let Some(drafts) = cuts::cut(sheet, outlines, body, tolerance) {
         return Ok(drafts);
     }
+    let points = &body.points;
     let reference = &outlines[sheet.reference as usize];
     let borders = borders(sheet, outlines);
     let mut edges: Vec<[u32; 2]> = borders.iter().map(|b| b.ends).chain(sheet.segments.iter().copied()).collect();
@@ -65,7 +76,10 @@ pub(super) fn trace(sheet: &Sheet, outlines: &[Outline], points: &[Vec3], tolera
     let labels = label(&cdt, &pieces, &borders, &vertices);
     let mut drafts: Vec<Draft> = labels
         .into_iter()
-        .map(|owners| Draft { owners: owners.into_iter().map(|m| owner(m, reference, outlines)).collect(), ..Draft::default() })
+        .map(|owners| Draft {
+            owners: owners.into_iter().map(|m| owner(m, reference, outlines, body)).collect(),
+            ..Draft::default()
+        })
         .collect();
     let name = |v: FixedVertexHandle| vertices[v.index()];
     for face in cdt.inner_faces() {
@@ -83,9 +97,9 @@ pub(super) fn trace(sheet: &Sheet, outlines: &[Outline], points: &[Vec3], tolera
     Ok(drafts)
 }
 
-fn owner(member: u32, reference: &Outline, outlines: &[Outline]) -> (u32, bool) {
+fn owner(member: u32, reference: &Outline, outlines: &[Outline], body: &Body) -> Owner {
     let outline = &outlines[member as usize];
-    (outline.facet, outline.normal.dot(&reference.normal) < 0.0)
+    body.owner(outline.facet, outline.normal.dot(&reference.normal) < 0.0)
 }
 
 /// An edge of a member, lower point first.

@@ -32,10 +32,10 @@ pub(super) struct Chord {
 ///
 /// O(n log n) in the pairs of facets that share a point.
 pub(super) fn find(body: &Body, outlines: &[Outline], sheet_of: &[u32], inside: &[(u32, u32)]) -> Vec<Chord> {
-    let mut may_hold: Vec<bool> = outlines.iter().map(|o| o.corners().len() >= CHORD_CORNERS).collect();
+    let mut may_hold: Vec<bool> = outlines.iter().map(|o| o.corners().count() >= CHORD_CORNERS).collect();
     inside.iter().for_each(|i| may_hold[i.0 as usize] = true);
     let corners = outlines.iter().zip(0..).filter(|o| may_hold[o.1 as usize]);
-    let mut uses: Vec<(u32, u32)> = corners.flat_map(|(o, slot)| o.corners().iter().map(move |&v| (v, slot))).collect();
+    let mut uses: Vec<(u32, u32)> = corners.flat_map(|(o, slot)| o.corners().map(move |v| (v, slot))).collect();
     uses.extend(inside.iter().map(|&(slot, v)| (v, slot)));
     let leaf_of = |slot: u32| body.leaf_of_facet[outlines[slot as usize].facet as usize];
     let may_cross = |f: u32, g: u32| {

@@ -5,11 +5,8 @@ use super::candidates::PARALLEL_FROM;
 use super::edges::EdgeSet;
 use crate::diag::{Diagnostic, Name, Outcome};
 use crate::geom::Vec3;
-use crate::geom::bvh::Bvh;
 use rayon::prelude::*;
 
-/// Products of edge counts above which the edges of one facet go into a box tree.
-const TREE_FROM: usize = 1024;
 /// Rounds in which points inserted into one edge may reach the next. Every round carries a point over one more edge, and a
 /// point is on few edges; more means a chain of nearly parallel edges that creeps beyond the tolerance.
 const MAX_ROUNDS: usize = 16;
@@ -99,20 +96,16 @@ fn meetings_of_pair(body: &Body, set: &EdgeSet, [f, g]: [u32; 2], found: &mut Ve
             found.push(m);
         }
     };
-    if mine.len() * yours.len() < TREE_FROM {
+    if !set.has_many(f) && !set.has_many(g) {
         for &a in mine {
-            let own = set.bounds(a, &body.points).inflated(tolerance);
-            yours.iter().filter(|&&b| own.overlaps(&set.bounds(b, &body.points))).for_each(|&b| test(a, b));
+            let own = set.bounds(a).inflated(tolerance);
+            yours.iter().filter(|&&b| own.overlaps(set.bounds(b))).for_each(|&b| test(a, b));
         }
         return;
     }
-    let tree = Bvh::new(yours.iter().map(|&b| set.bounds(b, &body.points)).collect());
-    for &a in mine {
-        let mut near = Vec::new();
-        tree.overlapping(&set.bounds(a, &body.points).inflated(tolerance), |k| near.push(yours[k as usize]));
-        near.sort_unstable();
-        near.into_iter().for_each(|b| test(a, b));
-    }
+    set.own_near(f, &body.welded_bounds(g).inflated(tolerance), |a| {
+        set.own_near(g, &set.bounds(a).inflated(tolerance), |b| test(a, b));
+    });
 }
 
 /// Parameter of the point of the line through `p` nearest to `x`, and the distance from the line.

@@ -1,15 +1,16 @@
 //! The usual sheet without a triangulation of the whole: one convex facet that is cut from side to side.
 
+use super::body::Body;
 use super::cells::{Draft, plain};
 use super::outline::{Outline, passes};
 use super::sheets::Sheet;
-use crate::geom::Vec3;
 
 /// Cuts above which the triangulation, which looks for nothing twice, is cheaper.
 const MAX_CUTS: usize = 16;
 
 /// The cells of a sheet of one convex facet that only segments from side to side lie on; `None` if it is another.
-pub(super) fn cut(sheet: &Sheet, outlines: &[Outline], points: &[Vec3], tolerance: f64) -> Option<Vec<Draft>> {
+pub(super) fn cut(sheet: &Sheet, outlines: &[Outline], body: &Body, tolerance: f64) -> Option<Vec<Draft>> {
+    let points = &body.points;
     let outline = &outlines[sheet.reference as usize];
     let is_simple = sheet.members.len() == 1 && sheet.lone.is_empty();
     if !is_simple || sheet.segments.len() + sheet.chords.len() > MAX_CUTS || !outline.is_convex(points) {
@@ -30,7 +31,7 @@ pub(super) fn cut(sheet: &Sheet, outlines: &[Outline], points: &[Vec3], toleranc
             None => drop(divide(&mut walks, [a, b])),
         }
     }
-    walks.into_iter().map(|walk| plain(outline.facet, vec![walk], points).ok()).collect()
+    walks.into_iter().map(|walk| plain(outline.facet, vec![walk], body).ok()).collect()
 }
 
 /// Cuts the walk that has both points; false if none has, since another cut lies between them.

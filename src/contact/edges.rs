@@ -1,10 +1,15 @@
 //! The edges of all facets near a contact, each with the points inserted into it.
 
 use super::body::Body;
-use super::weld::NumberMap;
+use super::outline::sides;
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
+use crate::geom::bvh::Bvh;
+use crate::geom::hash::IndexMap;
 use crate::geom::lists::Lists;
+
+/// Edges of one facet from which on they go into a box tree.
+const TREE_FROM: usize = 32;
 
 /// An edge of one or several leaves, from its lower to its higher point number.
 pub(super) struct Edge {
@@ -31,9 +36,13 @@ pub(super) struct EdgeSet {
     pub own: Lists,
     /// Every use of an edge as (edge, leaf, facet), sorted.
     pub uses: Vec<(u32, u32, u32)>,
+    /// Box of every edge.
+    boxes: Vec<Aabb>,
+    /// Box trees over the own edges of facets that have many.
+    trees: IndexMap<u32, Bvh>,
     leaves: Lists,
-    number: NumberMap<(u32, u32), u32>,
-    places: NumberMap<(u32, u32), Place>,
+    number: IndexMap<(u32, u32), u32>,
+    places: IndexMap<(u32, u32), Place>,
 }
 
 impl EdgeSet {
@@ -46,19 +55,25 @@ impl EdgeSet {
             edges: Vec::with_capacity(2 * active),
             own: Lists::default(),
             uses: Vec::new(),
+            boxes: Vec::new(),
+            trees: IndexMap::default(),
             leaves: Lists::default(),
-            number: NumberMap::with_capacity_and_hasher(2 * active, Default::default()),
-            places: NumberMap::with_capacity_and_hasher(2 * active, Default::default()),
+            number: IndexMap::with_capacity_and_hasher(2 * active, Default::default()),
+            places: IndexMap::with_capacity_and_hasher(2 * active, Default::default()),
             is_active,
         };
         let mut uses: Vec<(u32, u32, u32)> = Vec::with_capacity(4 * active);
+        // Facets come by leaf: the last leaf that was found at each point tells whether this one is new there.
+        let mut last_leaf = vec![u32::MAX; body.points.len()];
         for facet in (0..body.facet_count() as u32).filter(|&f| set.is_active[f as usize]) {
             let leaf = body.leaf_of_facet[facet as usize];
             let ids = body.points_of_leaf(leaf);
             for walk in body.own_loops(facet) {
                 for (k, &v) in walk.iter().enumerate() {
                     let (a, b) = (ids[v as usize], ids[walk[(k + 1) % walk.len()] as usize]);
-                    set.places.insert((a, leaf), Place::Vertex);
+                    if std::mem::replace(&mut last_leaf[a as usize], leaf) != leaf {
+                        set.places.insert((a, leaf), Place::Vertex);
+                    }
                     let next = set.edges.len() as u32;
                     let edge = *set.number.entry((a.min(b), a.max(b))).or_insert(next);
                     if edge == next {
@@ -79,6 +94,10 @@ impl EdgeSet {
         set.leaves = Lists::new(set.edges.len(), &by_edge);
         set.own = Lists::new(body.facet_count(), &by_facet);
         set.uses = uses;
+        set.boxes = (0..set.edges.len() as u32).map(|e| Aabb::around(&set.ends(e, &body.points))).collect();
+        for facet in (0..body.facet_count() as u32).filter(|&f| set.own.of(f).len() >= TREE_FROM) {
+            set.trees.insert(facet, Bvh::new(set.own.of(facet).iter().map(|&e| *set.bounds(e)).collect()));
+        }
         set
     }
 
@@ -87,8 +106,25 @@ impl EdgeSet {
         self.edges[edge as usize].ends.map(|v| points[v as usize])
     }
     /// Box of an edge.
-    pub fn bounds(&self, edge: u32, points: &[Vec3]) -> Aabb {
-        Aabb::around(&self.ends(edge, points))
+    pub fn bounds(&self, edge: u32) -> &Aabb {
+        &self.boxes[edge as usize]
+    }
+    /// Whether a facet has so many own edges that not all should be looked at for each of its neighbours.
+    pub fn has_many(&self, facet: u32) -> bool {
+        self.own.of(facet).len() >= TREE_FROM
+    }
+    /// Calls `visit` with the own edges of a facet whose boxes overlap `bounds`, ascending.
+    pub fn own_near(&self, facet: u32, bounds: &Aabb, visit: impl FnMut(u32)) {
+        let own = self.own.of(facet);
+        if !self.has_many(facet) {
+            return own.iter().copied().filter(|&e| bounds.overlaps(self.bounds(e))).for_each(visit);
+        }
+        let mut found = Vec::new();
+        if let Some(tree) = self.trees.get(&facet) {
+            tree.overlapping(bounds, |k| found.push(own[k as usize]));
+        }
+        found.sort_unstable();
+        found.into_iter().for_each(visit);
     }
     /// The leaves that have an edge.
     pub fn leaves(&self, edge: u32) -> &[u32] {
@@ -139,19 +175,25 @@ impl EdgeSet {
         let start = (lo <= 0.0).then_some(ends[0]);
         start.into_iter().chain(inserted[first..last].iter().map(|i| i.1)).chain((hi >= 1.0).then_some(ends[1]))
     }
-    /// The loops of an active facet with everything inserted.
-    pub fn expand(&self, loops: &[Vec<u32>]) -> Vec<Vec<u32>> {
+    /// The loops of an active facet with everything inserted; `None` if nothing is.
+    pub fn expand(&self, loops: &[Vec<u32>]) -> Option<Vec<Vec<u32>>> {
+        let inserted = |a: u32, b: u32| {
+            let edge = self.number.get(&(a.min(b), a.max(b)));
+            edge.map_or(&[][..], |&e| &self.edges[e as usize].inserted)
+        };
+        if sides(loops).all(|[a, b]| inserted(a, b).is_empty()) {
+            return None;
+        }
         let expand = |walk: &Vec<u32>| {
-            let mut full = Vec::with_capacity(walk.len());
+            let mut full = Vec::with_capacity(walk.len() + 2);
             for (k, &a) in walk.iter().enumerate() {
                 full.push(a);
                 let b = walk[(k + 1) % walk.len()];
-                let Some(&edge) = self.number.get(&(a.min(b), a.max(b))) else { continue };
-                let inserted = self.edges[edge as usize].inserted.iter().map(|i| i.1);
-                if a < b { full.extend(inserted) } else { full.extend(inserted.rev()) }
+                let between = inserted(a, b).iter().map(|i| i.1);
+                if a < b { full.extend(between) } else { full.extend(between.rev()) }
             }
             full
         };
-        loops.iter().map(expand).collect()
+        Some(loops.iter().map(expand).collect())
     }
 }

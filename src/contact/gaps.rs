@@ -6,6 +6,7 @@ use super::conforming::Conforming;
 use super::outline::{Outline, sides};
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
+use crate::geom::lists::Lists;
 use crate::ids::LeafId;
 use crate::primitive::solid::Solid;
 use std::ops::ControlFlow;
@@ -28,9 +29,8 @@ pub struct Gap {
 /// solids that `conforming` was made from. Whether they belong to one part is the caller's to know. O(n log n + pairs of facets).
 pub fn nearly_touching(solids: &[Solid], conforming: &Conforming) -> Vec<Gap> {
     let reach = GAP * conforming.tolerance;
-    let mut pairs = conforming.trees.leaf_pairs(|_, _| reach);
-    let touching = touching(conforming);
-    pairs.retain(|pair| touching.binary_search(pair).is_err());
+    let near = conforming.trees.leaf_pairs(|_, _| reach);
+    let pairs = if near.is_empty() { near } else { apart(conforming, &near) };
     if pairs.is_empty() {
         return Vec::new();
     }
@@ -69,34 +69,31 @@ fn gap(body: &Body, trees: &FacetTrees, outlines: &mut [Option<Outline>], leaves
     Some(Gap { leaves: leaves.map(LeafId), distance, place })
 }
 
-/// Pairs of leaves that have a point in common, sorted.
-fn touching(conforming: &Conforming) -> Vec<[u32; 2]> {
-    // Nearly all points are of one leaf only.
-    let mut leaf_of = vec![u32::MAX; conforming.points.len()];
-    let mut uses: Vec<(u32, u32)> = Vec::new();
-    for (t, &cell) in conforming.triangles.iter().zip(&conforming.cell_of_triangle) {
-        for owner in &conforming.cells[cell as usize].owners {
-            for &v in t {
-                let known = &mut leaf_of[v as usize];
-                if *known == u32::MAX {
-                    *known = owner.leaf.0;
-                } else if *known != owner.leaf.0 {
-                    uses.extend([(v, *known), (v, owner.leaf.0)]);
-                }
+/// Those of `pairs`, which are sorted, that have no point in common.
+fn apart(conforming: &Conforming, pairs: &[[u32; 2]]) -> Vec<[u32; 2]> {
+    let cell_of = |t: usize| &conforming.cells[conforming.cell_of_triangle[t] as usize];
+    let near = conforming.triangles.iter().enumerate().filter(|(t, _)| cell_of(*t).is_near);
+    let corners: Vec<(u32, u32)> = near.flat_map(|(t, corners)| corners.map(|v| (v, t as u32))).collect();
+    let triangles_at = Lists::new(conforming.points.len(), &corners);
+    let mut is_apart = vec![true; pairs.len()];
+    let mut left = pairs.len();
+    let mut leaves: Vec<u32> = Vec::new();
+    for v in 0..conforming.points.len() as u32 {
+        leaves.clear();
+        leaves.extend(triangles_at.of(v).iter().flat_map(|&t| cell_of(t as usize).owners.iter().map(|o| o.leaf.0)));
+        leaves.sort_unstable();
+        leaves.dedup();
+        for (k, &a) in leaves.iter().enumerate() {
+            for slot in leaves[k + 1..].iter().filter_map(|&b| pairs.binary_search(&[a, b]).ok()) {
+                left -= usize::from(std::mem::replace(&mut is_apart[slot], false));
             }
         }
-    }
-    uses.sort_unstable();
-    uses.dedup();
-    let mut pairs = Vec::new();
-    for at in uses.chunk_by(|a, b| a.0 == b.0) {
-        for (k, a) in at.iter().enumerate() {
-            pairs.extend(at[k + 1..].iter().map(|b| [a.1, b.1]));
+        // Where hundreds of leaves share hundreds of thousands of points, the first few points tell.
+        if left == 0 {
+            return Vec::new();
         }
     }
-    pairs.sort_unstable();
-    pairs.dedup();
-    pairs
+    pairs.iter().zip(is_apart).filter(|p| p.1).map(|p| *p.0).collect()
 }
 
 /// Distance of two planar facets and a place of it, if it is at most `reach`, or `None` if they cross.

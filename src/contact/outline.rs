@@ -18,13 +18,17 @@ pub(super) struct Outline {
     pub bounds: Aabb,
     /// Loops as points, with everything inserted into the edges.
     pub loops: Vec<Vec<u32>>,
-    /// Loops as they came. What is not on the outline is further from it than the tolerance, hence inside both or neither.
-    frame: Vec<Vec<u32>>,
-    /// Edges of the loops, lower point first, sorted.
+    /// Loops as they came, if they differ. What is not on the outline is further from it than the tolerance, hence inside both or
+    /// neither.
+    frame: Option<Vec<Vec<u32>>>,
+    /// Of a long outline the edges, lower point first, sorted; a short one is searched as it is.
     sides: Vec<[u32; 2]>,
-    /// Points of the loops, sorted.
+    /// Of a long outline the points, sorted.
     corners: Vec<u32>,
 }
+
+/// Points from which on an outline is long: most facets have three or four, and need no more than their loops.
+const LONG: usize = 12;
 
 impl Outline {
     /// Of a facet as it came, whose loops `corners` give the plane; with `set`, with everything inserted into its edges.
@@ -33,21 +37,28 @@ impl Outline {
         let area = vector.norm();
         let normal = if area > 0.0 { vector / area } else { Vec3::zeros() };
         let origin = corners.first().and_then(|w| w.first()).map_or(Vec3::zeros(), |&v| points[v as usize]);
-        let loops = set.map_or(corners.clone(), |s| s.expand(&corners));
-        let mut sides: Vec<[u32; 2]> = sides(&loops).map(|[a, b]| [a.min(b), a.max(b)]).collect();
-        sides.sort_unstable();
-        let mut sorted: Vec<u32> = loops.iter().flatten().copied().collect();
-        sorted.sort_unstable();
+        let bounds = Aabb::around(corners.first().into_iter().flatten().map(|&v| &points[v as usize]));
+        let (loops, frame) = match set.and_then(|s| s.expand(&corners)) {
+            Some(loops) => (loops, Some(corners)),
+            None => (corners, None),
+        };
+        let (mut edges, mut sorted) = (Vec::new(), Vec::new());
+        if loops.iter().map(Vec::len).sum::<usize>() >= LONG {
+            edges.extend(sides(&loops).map(|[a, b]| [a.min(b), a.max(b)]));
+            edges.sort_unstable();
+            sorted.extend(loops.iter().flatten().copied());
+            sorted.sort_unstable();
+        }
         Self {
             facet,
             normal,
             origin,
             area,
             projection: Projection::along(&normal),
-            bounds: Aabb::around(corners.first().into_iter().flatten().map(|&v| &points[v as usize])),
+            bounds,
             loops,
-            frame: corners,
-            sides,
+            frame,
+            sides: edges,
             corners: sorted,
         }
     }
@@ -55,16 +66,26 @@ impl Outline {
     pub fn height(&self, p: &Vec3) -> f64 {
         (p - self.origin).dot(&self.normal)
     }
-    /// Points of the outline, sorted.
-    pub fn corners(&self) -> &[u32] {
-        &self.corners
+    /// Loops as they came.
+    fn frame(&self) -> &[Vec<u32>] {
+        self.frame.as_ref().unwrap_or(&self.loops)
+    }
+    /// Points of the outline.
+    pub fn corners(&self) -> impl Iterator<Item = u32> + '_ {
+        self.loops.iter().flatten().copied()
     }
     /// Whether a point is one of the outline.
     pub fn has_corner(&self, point: u32) -> bool {
+        if self.corners.is_empty() {
+            return self.loops.iter().any(|w| w.contains(&point));
+        }
         self.corners.binary_search(&point).is_ok()
     }
     /// Whether two points are joined by an edge of the outline.
     pub fn has_side(&self, [a, b]: [u32; 2]) -> bool {
+        if self.sides.is_empty() {
+            return sides(&self.loops).any(|s| s == [a, b] || s == [b, a]);
+        }
         self.sides.binary_search(&[a.min(b), a.max(b)]).is_ok()
     }
     /// Whether a place that is not on the outline lies inside it, seen along the projection.
@@ -76,7 +97,7 @@ impl Outline {
             return false;
         }
         let mut is_inside = false;
-        for [a, b] in sides(&self.frame) {
+        for [a, b] in sides(self.frame()) {
             let (a, b) = (flat(a), flat(b));
             if (a[1] > q[1]) != (b[1] > q[1]) && (orient2d(a, b, q) > 0) == (b[1] > a[1]) {
                 is_inside = !is_inside;
@@ -86,7 +107,7 @@ impl Outline {
     }
     /// Whether it has one loop that turns left at every corner, or not at all.
     pub fn is_convex(&self, points: &[Vec3]) -> bool {
-        let [walk] = &self.frame[..] else { return false };
+        let [walk] = self.frame() else { return false };
         let (n, flat) = (walk.len(), |v: u32| self.projection.apply(&points[v as usize]));
         (0..n).all(|k| orient2d(flat(walk[k]), flat(walk[(k + 1) % n]), flat(walk[(k + 2) % n])) >= 0)
     }
@@ -95,7 +116,7 @@ impl Outline {
         let [a, b] = ends.map(|v| points[v as usize]);
         let middle = (a + b) * 0.5;
         let is_clear = |[a, b]: [u32; 2]| !is_within(&[points[a as usize], points[b as usize]], &middle, tolerance);
-        !self.has_side(ends) && self.encloses(&middle, points) && sides(&self.frame).all(is_clear)
+        !self.has_side(ends) && self.encloses(&middle, points) && sides(self.frame()).all(is_clear)
     }
     /// Whether all points of `other` lie within `tolerance` of the plane.
     pub fn is_level_with(&self, other: &Self, tolerance: f64, points: &[Vec3]) -> bool {

@@ -181,10 +181,10 @@ fn land(body: &Body, set: &EdgeSet, from: &Outline, onto: &Outline, slot: u32, f
     let tolerance = body.tolerance(body.leaf_of_facet[from.facet as usize], leaf);
     let height = |v: u32| onto.height(&body.points[v as usize]);
     let near = onto.bounds.inflated(2.0 * CHAIN_REACH * tolerance);
-    for &edge in set.own.of(from.facet).iter().filter(|&&e| near.overlaps(&set.bounds(e, &body.points))) {
+    set.own_near(from.facet, &near, |edge| {
         let ends = set.edges[edge as usize].ends.map(height);
         if ends.iter().all(|&h| h > CHAIN_REACH * tolerance) || ends.iter().all(|&h| h < -CHAIN_REACH * tolerance) {
-            continue;
+            return;
         }
         let mut previous: Option<(u32, bool)> = None;
         for v in set.points_between(edge, near_plane(ends, CHAIN_REACH * tolerance)) {
@@ -208,7 +208,7 @@ fn land(body: &Body, set: &EdgeSet, from: &Outline, onto: &Outline, slot: u32, f
             }
             previous = is_on.then_some((v, is_inside));
         }
-    }
+    });
 }
 
 /// Parameters between which an edge whose ends have these heights may have points within `reach` of the plane. Points lie up

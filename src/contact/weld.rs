@@ -3,10 +3,9 @@
 use super::body::Names;
 use crate::diag::{Diagnostic, Outcome, Tally, short};
 use crate::geom::Vec3;
+use crate::geom::hash::IndexMap;
 use crate::ids::LeafId;
 use crate::primitive::solid::Solid;
-use std::collections::HashMap;
-use std::hash::{BuildHasherDefault, Hasher};
 
 /// Edge of a grid cell in tolerances: most searches then see one cell, and a cell holds one point in all but tiny features.
 const CELL: f64 = 64.0;
@@ -14,28 +13,6 @@ const CELL: f64 = 64.0;
 const OFFSET: [f64; 3] = [0.371, 0.433, 0.289];
 /// Messages of one kind after which a stage stops telling more of the same.
 pub(super) const MAX_MESSAGES: usize = 20;
-
-/// A hash for keys that are numbers: multiply and fold. The maps that use it are only looked up, never walked.
-#[derive(Clone, Copy, Default)]
-pub(super) struct NumberHasher(u64);
-
-impl Hasher for NumberHasher {
-    fn finish(&self) -> u64 {
-        self.0 ^ (self.0 >> 29)
-    }
-    fn write(&mut self, bytes: &[u8]) {
-        bytes.iter().for_each(|&b| self.write_u64(u64::from(b)));
-    }
-    fn write_u32(&mut self, n: u32) {
-        self.write_u64(u64::from(n));
-    }
-    fn write_u64(&mut self, n: u64) {
-        self.0 = (self.0.rotate_left(23) ^ n).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    }
-}
-
-/// A map from numbers.
-pub(super) type NumberMap<K, V> = HashMap<K, V, BuildHasherDefault<NumberHasher>>;
 
 /// An entry of the grid: where a vertex was, and the point that it became.
 #[derive(Clone, Copy)]
@@ -50,7 +27,7 @@ pub(super) struct Entry {
 pub(super) struct PointGrid {
     cell: f64,
     /// Last entry of each cell; cells are told apart by a hash, distances decide.
-    heads: NumberMap<u64, u32>,
+    heads: IndexMap<u64, u32>,
     entries: Vec<Entry>,
     previous: Vec<u32>,
 }
@@ -58,7 +35,7 @@ pub(super) struct PointGrid {
 impl PointGrid {
     /// A grid for searches up to `reach`.
     pub fn new(reach: f64, capacity: usize) -> Self {
-        let heads = NumberMap::with_capacity_and_hasher(capacity, BuildHasherDefault::default());
+        let heads = IndexMap::with_capacity_and_hasher(capacity, Default::default());
         Self { cell: CELL * reach, heads, entries: Vec::with_capacity(capacity), previous: Vec::with_capacity(capacity) }
     }
     fn key(&self, index: [i64; 3]) -> u64 {

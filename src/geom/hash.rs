@@ -19,9 +19,10 @@ impl Hasher for IndexHasher {
         self.0 ^ (self.0 >> 32)
     }
     fn write(&mut self, bytes: &[u8]) {
-        for &b in bytes {
-            self.write_u64(u64::from(b));
-        }
+        // Arrays of numbers come as bytes.
+        let (words, rest) = bytes.as_chunks::<8>();
+        words.iter().for_each(|w| self.write_u64(u64::from_le_bytes(*w)));
+        rest.iter().for_each(|&b| self.write_u64(u64::from(b)));
     }
     fn write_u32(&mut self, x: u32) {
         self.write_u64(u64::from(x));

@@ -11,6 +11,7 @@ use super::shell::Shell;
 use super::solid::{Freedom, Solid};
 use crate::diag::Diagnostic;
 use crate::geom::Vec3;
+use crate::geom::hash::IndexMap;
 use crate::scene::model::{Division, Leaf};
 use std::collections::HashMap;
 
@@ -73,7 +74,7 @@ impl EllipsoidRequest {
         let surface = shell.surface("side", self.place.ellipsoid(self.center, self.radii));
         let octant = divided_octant(self.parts);
         let row = |a: i32, b: i32| (a * (2 * n + 3 - a) / 2 + b) as usize;
-        let mut known: HashMap<[i32; 3], u32> = HashMap::new();
+        let mut known: IndexMap<[i32; 3], u32> = IndexMap::default();
         let mut vertex = |shell: &mut Shell, p: [i32; 3]| {
             *known.entry(p).or_insert_with(|| {
                 let u = octant[row(p[0].abs(), p[1].abs())];

@@ -99,8 +99,7 @@ fn number_places(facets: &Loops, places: &[Vec3], explicit: usize, reach: f64) -
         (lo[0]..=hi[0]).flat_map(move |x| (lo[1]..=hi[1]).flat_map(move |y| line(x, y)))
     };
     let intersections = || (explicit.min(places.len())..places.len()).filter(|&p| is_used[p]);
-    let mut grid: IndexMap<[i64; 3], Vec<u32>> =
-        intersections().flat_map(cells_near).map(|seen| (seen, Vec::new())).collect();
+    let mut grid: IndexMap<[i64; 3], Vec<u32>> = intersections().flat_map(cells_near).map(|seen| (seen, Vec::new())).collect();
     if grid.is_empty() {
         return number;
     }
