@@ -66,7 +66,7 @@ fn soup(complex: &Complex) -> Conforming {
         out.cell_of_triangle.resize(out.triangles.len(), id.0);
         let owner = Owner { leaf: LeafId(id.0), facet: 0, is_flipped: false };
         let loops = facet.loops.iter().map(|l| l.iter().map(|v| v.0).collect()).collect();
-        out.cells.push(Cell { owners: vec![owner], loops, sheet: id.0 });
+        out.cells.push(Cell { owners: vec![owner], loops, sheet: id.0, is_near: true });
     }
     out
 }
