@@ -35,17 +35,18 @@ pub fn contacts(mesh: &Mesh) -> Contacts {
 /// neighbours within one leaf are never looked at.
 fn candidates(mesh: &Mesh) -> Vec<[u32; 2]> {
     let points = &mesh.input.points;
-    let mut leaves: Vec<(Vec<u32>, Vec<Aabb>)> = Vec::new();
+    // Triangles with their sheets, which tell most pairs apart, and boxes.
+    let mut leaves: Vec<(Vec<[u32; 2]>, Vec<Aabb>)> = Vec::new();
     for &t in &mesh.near {
         let leaf = mesh.leaf_of(t) as usize;
         if leaves.len() <= leaf {
             leaves.resize_with(leaf + 1, Default::default);
         }
-        leaves[leaf].0.push(t);
+        leaves[leaf].0.push([t, mesh.sheet_of(t)]);
         leaves[leaf].1.push(Aabb::around(mesh.triangles[t as usize].map(|v| &points[v as usize])));
     }
     let is_parallel = mesh.near.len() >= PARALLEL_PAIRS;
-    let trees: Vec<(Vec<u32>, Bvh)> = if is_parallel {
+    let trees: Vec<(Vec<[u32; 2]>, Bvh)> = if is_parallel {
         leaves.into_par_iter().map(|(triangles, boxes)| (triangles, Bvh::new(boxes))).collect()
     } else {
         leaves.into_iter().map(|(triangles, boxes)| (triangles, Bvh::new(boxes))).collect()
@@ -63,8 +64,8 @@ fn candidates(mesh: &Mesh) -> Vec<[u32; 2]> {
         // Pairs as one number each: those are sorted in half the time.
         let mut found: Vec<u64> = Vec::new();
         tree.pairs(other, 0.0, |i, j| {
-            let (t, u) = (first[i as usize], second[j as usize]);
-            if mesh.sheet_of(t) != mesh.sheet_of(u) && !mesh.has_common_leaf(t, u) {
+            let ([t, mine], [u, yours]) = (first[i as usize], second[j as usize]);
+            if mine != yours && !mesh.has_common_leaf(t, u) {
                 found.push(u64::from(t.min(u)) << 32 | u64::from(t.max(u)));
             }
             ControlFlow::Continue(())

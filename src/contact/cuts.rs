@@ -10,6 +10,7 @@ const MAX_CUTS: usize = 16;
 
 /// The cells of a sheet of one convex facet that only segments from side to side lie on; `None` if it is another.
 pub(super) fn cut(sheet: &Sheet, outlines: &[Outline], body: &Body, tolerance: f64) -> Option<Vec<Draft>> {
+    let points = &body.points;
     let outline = &outlines[sheet.reference as usize];
     let is_simple = sheet.members.len() == 1 && sheet.lone.is_empty();
     if !is_simple || sheet.segments.len() + sheet.chords.len() > MAX_CUTS || !outline.is_convex(&body.points) {
