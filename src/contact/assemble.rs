@@ -26,7 +26,7 @@ pub(super) fn assemble(body: &Body, mut sheets: Sheets, tolerance: f64, names: N
         let drafts = match sheets.sheets.get(sheet_at[f as usize] as usize) {
             None => cells::plain(f, body.loops(f), body).map(|d| vec![d]),
             Some(s) if s.is_plain() => cells::whole(f, &sheets.outlines[s.reference as usize].loops, body).map(|d| vec![d]),
-            Some(s) => cells::trace(s, &sheets.outlines, body, tolerance),
+            Some(s) => cells::trace(s, &sheets.outlines, body, reach),
         };
         drafts.map_err(|t| (f, t))
     };

@@ -13,7 +13,7 @@ pub(super) fn cut(sheet: &Sheet, outlines: &[Outline], body: &Body, tolerance: f
     let points = &body.points;
     let outline = &outlines[sheet.reference as usize];
     let is_simple = sheet.members.len() == 1 && sheet.lone.is_empty();
-    if !is_simple || sheet.segments.len() + sheet.chords.len() > MAX_CUTS || !outline.is_convex(&body.points) {
+    if !is_simple || sheet.segments.len() + sheet.chords.len() > MAX_CUTS || !outline.is_convex(points) {
         return None;
     }
     let mut walks = outline.loops.clone();
@@ -22,8 +22,8 @@ pub(super) fn cut(sheet: &Sheet, outlines: &[Outline], body: &Body, tolerance: f
     }
     let mut chords = sheet.chords.clone();
     while let Some([a, b]) = chords.pop() {
-        let line = [a, b].map(|v| body.points[v as usize]);
-        let is_passed = |v: &&u32| passes(&line, &body.points[**v as usize], tolerance);
+        let line = [a, b].map(|v| points[v as usize]);
+        let is_passed = |v: &&u32| passes(&line, &points[**v as usize], tolerance);
         // A chord past a corner goes through that corner: beside it, a needle would be left that rounding turns over.
         let walk = walks.iter().find(|w| w.contains(&a) && w.contains(&b));
         match walk.and_then(|w| w.iter().find(is_passed)) {
