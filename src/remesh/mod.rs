@@ -34,9 +34,11 @@
 //! strip 300 x 26 of a cylinder -> split along its length at the wanted size, swapped to triangles, 24 segments kept or not
 //! ```
 
+mod bands;
 mod creases;
 mod features;
 mod operators;
+mod pieces;
 mod polygons;
 mod quality;
 mod relocate;
@@ -56,6 +58,7 @@ use crate::patch::fit::supports_of;
 use crate::patch::support::Support;
 use crate::round::PLANAR_ULPS;
 use crate::scene::model::{Part, RemeshMode, RemeshOptions};
+use bands::Choice;
 use sizing::{Bound, Limits};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -77,13 +80,21 @@ pub fn remesh(complex: Complex, options: &RemeshOptions, parts: &IdVec<PartId, P
     if options.mode == RemeshMode::Off {
         return Ok(complex);
     }
+    let evaluated = complex.clone();
     let mut complex = complex;
     let count = complex.surfaces.len();
     let original = creases::divide(&mut complex);
     let supports = supports_of(&complex, options.patches);
+    let choice = match options.mode {
+        RemeshMode::Interfaces => Choice::near_intersections(&mut complex, &supports),
+        _ => Choice::all(&complex, &supports),
+    };
+    if !choice.is_chosen.contains(&true) {
+        return Ok(evaluated);
+    }
     let mut shares = vec![1.0; complex.surfaces.len()];
     for _ in 0..ATTEMPTS {
-        let mut work = Workpiece::new(complex.clone(), supports.clone(), shares.clone())?;
+        let mut work = Workpiece::new(complex.clone(), supports.clone(), shares.clone(), choice.clone())?;
         work.remesh(options, parts);
         let faulty = work.faulty_surfaces();
         if faulty.is_empty() {
@@ -97,8 +108,7 @@ pub fn remesh(complex: Complex, options: &RemeshOptions, parts: &IdVec<PartId, P
             *share = if *share > LEAST_SHARE { *share * 0.5 } else { 0.0 };
         }
     }
-    creases::restore(&mut complex, &original, count);
-    Ok(complex)
+    Ok(evaluated)
 }
 
 /// Strips that were left as they are, beside curves that moved to the true surface, are no longer planar: they become their
@@ -123,7 +133,7 @@ fn split_bent(complex: &mut Complex) {
 }
 
 impl Workpiece {
-    fn new(complex: Complex, supports: IdVec<SurfaceId, Option<Arc<Support>>>, shares: Vec<f64>) -> Outcome<Self> {
+    fn new(complex: Complex, supports: IdVec<SurfaceId, Option<Arc<Support>>>, shares: Vec<f64>, choice: Choice) -> Outcome<Self> {
         let size = Aabb::around(complex.vertices.iter().map(|v| &v.point)).diagonal();
         Ok(Self {
             brep: Brep::from_complex(complex)?,
@@ -136,6 +146,7 @@ impl Workpiece {
             sizes: Vec::new(),
             bound: Bound::Fixed(size),
             shares,
+            choice,
             obtuse: 0.0,
             changed: Vec::new(),
         })
@@ -143,7 +154,7 @@ impl Workpiece {
 
     fn remesh(&mut self, options: &RemeshOptions, parts: &IdVec<PartId, Part>) {
         let size = Aabb::around(self.brep.vertices.iter().map(|v| &v.point)).diagonal();
-        let treated = self.choose(options.mode);
+        let treated = self.chosen();
         self.bound = match options.max_deviation {
             Some(d) => Bound::Fixed(d),
             None => self.present_bound(&treated, size),
@@ -155,20 +166,9 @@ impl Workpiece {
     }
 
     /// The facets to be remeshed.
-    fn choose(&self, mode: RemeshMode) -> Vec<FacetId> {
-        let topology = &self.brep.topology;
-        let is_curved = |f: &FacetId| self.supports[self.brep.facets[*f].surface].is_some();
-        let is_modified = |f: FacetId| self.brep.facets[f].is_modified;
-        // Strips are as long as their side: only the cut ones. Triangles: also those beside cut ones.
-        let is_beside =
-            |f: FacetId| topology.triangle(f).is_some_and(|t| t.iter().any(|&v| topology.facets_at(v).any(is_modified)));
-        let is_open = |f: &FacetId| self.share(*f) > 0.0;
-        topology
-            .facets()
-            .filter(is_curved)
-            .filter(is_open)
-            .filter(|&f| mode == RemeshMode::Full || is_modified(f) || is_beside(f))
-            .collect()
+    fn chosen(&self) -> Vec<FacetId> {
+        let facets = self.brep.topology.facets();
+        facets.filter(|&f| self.choice.is_chosen[f.index()] && self.share(f) > 0.0).collect()
     }
 
     /// The default bound (equation 4.1).
