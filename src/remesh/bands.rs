@@ -26,6 +26,8 @@ const DEPTH: f64 = 1.0;
 /// Bands nearer than this many widths to each other or to the end of their ruling reach it: what lay between would be shorter
 /// than wide.
 const LEAST_REST: f64 = 1.0;
+/// A corner nearer to a ruling than this many widths asks for work in the strip beyond, too.
+const LEAST_SIDE: f64 = 0.5;
 /// Distance from the true surface, as a fraction of the model's size, past which a corner is off it: contact moves corners by less.
 const OFF: f64 = 1e-7;
 /// A direction is straight on a surface if its curvature is below this fraction of the largest.
@@ -54,8 +56,10 @@ impl Choice {
     /// for sorting.
     pub fn near_intersections(complex: &mut Complex, supports: &Supports) -> Self {
         let strips = Strips::of(complex, supports);
-        let mut is_off = strips.off_vertices();
-        let cuts = strips.cuts(&is_off);
+        let reach = strips.reach;
+        let is_off = strips.off_vertices();
+        let hot = strips.hot_points(&is_off);
+        let cuts = strips.cuts(&hot);
         let is_ruled: Vec<bool> = complex.facets.ids().map(|f| strips.is_ruled(f)).collect();
         let is_modified = modified_or_beside(complex);
         let mut slides = Vec::new();
@@ -67,21 +71,29 @@ impl Choice {
                 slides.push((vertex, cut.along));
             }
         }
-        is_off.resize(complex.vertices.len(), false);
         let points: Vec<Vec3> = complex.vertices.iter().map(|v| v.point).collect();
         let mut is_chosen = Vec::new();
         let mut facets = IdVec::new();
         for (k, facet) in std::mem::take(&mut complex.facets).into_iter().enumerate() {
             let is_curved = supports[facet.surface].is_some();
             for piece in cut_facet(facet, &marks, &points) {
-                let is_bent = || piece.loops.iter().flatten().any(|v| is_off[v.index()]);
-                is_chosen.push(is_curved && if is_ruled[k] { is_bent() } else { is_modified[k] });
+                let is_near = || hot.get(&FacetId::new(k)).is_some_and(|h| h.iter().any(|p| is_on_border(&piece, p, &points, reach)));
+                is_chosen.push(is_curved && if is_ruled[k] { is_near() } else { is_modified[k] });
                 facets.push(piece);
             }
         }
         complex.facets = facets;
         Self { is_chosen, slides }
     }
+}
+
+/// Whether a point lies on the border of a facet.
+fn is_on_border(facet: &ComplexFacet, point: &Vec3, points: &[Vec3], reach: f64) -> bool {
+    edges_of(&facet.loops).map(|e| e.map(|v| points[v.index()])).any(|[a, b]| {
+        let d = b - a;
+        let t = (d.dot(&(point - a)) / d.norm_squared()).clamp(0.0, 1.0);
+        (a + d * t - point).norm() <= reach
+    })
 }
 
 /// Facets that an intersection cut, and triangles that share a corner with one.
@@ -106,6 +118,8 @@ struct Strips<'a> {
     supports: &'a Supports,
     /// Every edge with its facets, sorted.
     facets_of_edge: Vec<(Edge, FacetId)>,
+    /// What counts as no distance.
+    reach: f64,
 }
 
 impl<'a> Strips<'a> {
@@ -115,7 +129,8 @@ impl<'a> Strips<'a> {
             facets_of_edge.extend(edges_of(&facet.loops).map(|e| (sorted(e), id)));
         }
         facets_of_edge.sort_unstable();
-        Self { complex, supports, facets_of_edge }
+        let reach = OFF * Aabb::around(complex.vertices.iter().map(|v| &v.point)).diagonal();
+        Self { complex, supports, facets_of_edge, reach }
     }
 
     fn around(&self, edge: Edge) -> impl Iterator<Item = FacetId> + '_ {
@@ -157,7 +172,6 @@ impl<'a> Strips<'a> {
     /// By vertex: whether an intersection of facets put it off one of its surfaces. Not so the ends of a line that is straight on all
     /// its surfaces: it cuts strips along, and they stay planar if it moves to the true surface.
     fn off_vertices(&self) -> Vec<bool> {
-        let size = Aabb::around(self.complex.vertices.iter().map(|v| &v.point)).diagonal();
         let mut straight: Vec<(VertexId, SurfaceId)> = Vec::new();
         for run in self.facets_of_edge.chunk_by(|a, b| a.0 == b.0) {
             let edge = run[0].0;
@@ -171,46 +185,77 @@ impl<'a> Strips<'a> {
         for (id, facet) in self.complex.facets.enumerate() {
             let Some(support) = self.support(id) else { continue };
             for &v in facet.loops.iter().flatten() {
-                is_off[v.index()] |= support.distance(&self.point(v)) > OFF * size
+                is_off[v.index()] |= support.distance(&self.point(v)) > self.reach
                     && straight.binary_search(&(v, facet.surface)).is_err();
             }
         }
         is_off
     }
 
-    /// New vertices of the rulings, in their order from the ruling's smaller end.
-    fn cuts(&self, is_off: &[bool]) -> BTreeMap<Edge, Vec<Cut>> {
-        let mut bands: BTreeMap<Edge, Vec<[f64; 2]>> = BTreeMap::new();
-        let mut depths: BTreeMap<Edge, f64> = BTreeMap::new();
+    /// By facet: the points around which it is remeshed. Corners off the true surface; where one is near a ruling, its foot there
+    /// for the strip beyond.
+    fn hot_points(&self, is_off: &[bool]) -> BTreeMap<FacetId, Vec<Vec3>> {
+        let mut hot: BTreeMap<FacetId, Vec<Vec3>> = BTreeMap::new();
         for (id, facet) in self.complex.facets.enumerate() {
             let off: Vec<Vec3> = facet.loops.iter().flatten().filter(|v| is_off[v.index()]).map(|&v| self.point(v)).collect();
             if off.is_empty() || !self.is_ruled(id) {
                 continue;
             }
-            let rulings: Vec<Edge> = edges_of(&facet.loops).map(sorted).filter(|&e| self.is_ruling(e)).collect();
-            for &ruling in &rulings {
-                let [a, b] = ruling.map(|v| self.point(v));
-                let along = (b - a).normalize();
-                let width = facet.loops.iter().flatten().map(|&v| (self.point(v) - a).cross(&along).norm()).fold(0.0, f64::max);
-                let depth = depths.entry(ruling).or_default();
-                *depth = depth.max(DEPTH * width);
-                bands.entry(ruling).or_default().extend(off.iter().map(|p| {
-                    let s = (p - a).dot(&along);
-                    [s - DEPTH * width, s + DEPTH * width]
-                }));
+            for ruling in self.rulings(id) {
+                let (start, along, _) = self.line(ruling);
+                let feet = off.iter().map(|p| start + along * along.dot(&(p - start)));
+                let near = self.width(id, ruling) * LEAST_SIDE;
+                let feet: Vec<Vec3> = feet.zip(&off).filter(|(foot, p)| (foot - *p).norm() < near).map(|f| f.0).collect();
+                for beyond in self.around(ruling).filter(|&f| f != id) {
+                    hot.entry(beyond).or_default().extend(&feet);
+                }
+            }
+            hot.entry(id).or_default().extend(off);
+        }
+        hot
+    }
+
+    fn rulings(&self, facet: FacetId) -> Vec<Edge> {
+        edges_of(&self.complex.facets[facet].loops).map(sorted).filter(|&e| self.is_ruling(e)).collect()
+    }
+
+    /// Start, direction and length of a ruling.
+    fn line(&self, ruling: Edge) -> (Vec3, Vec3, f64) {
+        let [a, b] = ruling.map(|v| self.point(v));
+        let length = (b - a).norm();
+        (a, (b - a) / length, length)
+    }
+
+    /// How far a facet reaches from one of its rulings.
+    fn width(&self, facet: FacetId, ruling: Edge) -> f64 {
+        let (start, along, _) = self.line(ruling);
+        let corners = self.complex.facets[facet].loops.iter().flatten();
+        corners.map(|&v| (self.point(v) - start).cross(&along).norm()).fold(0.0, f64::max)
+    }
+
+    /// New vertices of the rulings, in their order from the ruling's smaller end.
+    fn cuts(&self, hot: &BTreeMap<FacetId, Vec<Vec3>>) -> BTreeMap<Edge, Vec<Cut>> {
+        let mut bands: BTreeMap<Edge, (f64, Vec<[f64; 2]>)> = BTreeMap::new();
+        for (&facet, points) in hot {
+            for ruling in self.rulings(facet) {
+                let (start, along, length) = self.line(ruling);
+                let depth = DEPTH * self.width(facet, ruling);
+                let around = |p: &Vec3| along.dot(&(p - start));
+                let (deepest, list) = bands.entry(ruling).or_default();
+                *deepest = deepest.max(depth);
+                let bands = points.iter().map(around).map(|s| [s - depth, s + depth]);
+                list.extend(bands.filter(|b| b[1] > 0.0 && b[0] < length));
             }
         }
-        bands.into_iter().map(|(ruling, list)| (ruling, self.ends_of_bands(ruling, list, LEAST_REST * depths[&ruling]))).collect()
+        bands.into_iter().map(|(ruling, (depth, list))| (ruling, self.ends_of_bands(ruling, list, LEAST_REST * depth))).collect()
     }
 
     /// The ends of the union of some bands that leave at least `rest` of a ruling.
     fn ends_of_bands(&self, ruling: Edge, mut bands: Vec<[f64; 2]>, rest: f64) -> Vec<Cut> {
-        let [a, b] = ruling.map(|v| self.point(v));
-        let length = (b - a).norm();
-        let along = (b - a) / length;
+        let (start, along, length) = self.line(ruling);
         bands.sort_unstable_by(|p, q| p[0].total_cmp(&q[0]));
         let mut union: Vec<[f64; 2]> = Vec::new();
-        for [lo, hi] in bands.into_iter().filter(|b| b[1] > 0.0 && b[0] < length) {
+        for [lo, hi] in bands {
             match union.last_mut() {
                 Some(last) if lo < last[1] + rest => last[1] = last[1].max(hi),
                 _ => union.push([lo, hi]),
@@ -221,6 +266,6 @@ impl<'a> Strips<'a> {
             [(lo.min(length - 0.5 * rest), lo >= rest, true), (hi.max(0.5 * rest), hi <= length - rest, false)]
         });
         let inside = ends.filter(|e| e.1);
-        inside.map(|(s, _, is_hot_beyond)| Cut { at: a + along * s, along, is_hot_beyond }).collect()
+        inside.map(|(s, _, is_hot_beyond)| Cut { at: start + along * s, along, is_hot_beyond }).collect()
     }
 }

@@ -42,7 +42,6 @@ pub(super) fn cut_facet(mut facet: ComplexFacet, marks: &Marks, points: &[Vec3])
         return vec![facet];
     }
     let chords = chords(&placed, points);
-    if std::env::var("DBG").is_ok() && 2*chords.len()!=placed.len() { eprintln!("facet {:?} chords {:?}", facet.loops[0].iter().map(|v|points[v.0 as usize].iter().map(|x|x.round()).collect::<Vec<_>>()).collect::<Vec<_>>(), chords); for p in &placed { eprintln!("   {:?} {:?} {}", points[p.vertex.0 as usize].iter().map(|x|x.round()).collect::<Vec<_>>(), p.edge, p.is_opening); } }
     match tiles(&facet, &chords, points).or_else(|| tiles(&facet, &[], points)) {
         Some(triangles) => pieces(facet, triangles, &chords),
         None => vec![facet],

@@ -83,7 +83,8 @@ impl Workpiece {
                 self.smooth();
             }
         }
-        self.obtuse = OBTUSE;
+        let ev = |n: &str, d: f64| std::env::var(n).ok().and_then(|x| x.parse().ok()).unwrap_or(d);
+        self.obtuse = ev("OB", OBTUSE);
         self.polish();
         for _ in 0..THIN_ROUNDS {
             self.thin_out();
@@ -93,7 +94,7 @@ impl Workpiece {
             }
             self.polish();
         }
-        self.obtuse = 0.0;
+        self.obtuse = ev("OBL", 0.0);
         self.changed.clear();
         self.polish();
     }

@@ -76,7 +76,7 @@ impl Bound {
         if weight == 0.0 {
             return Self::Fixed(size);
         }
-        let mean = (deviation / weight).max(LEAST_SIZE * LEAST_SIZE * size);
+        let mean = (std::env::var("FAC").ok().and_then(|x| x.parse().ok()).unwrap_or(2.0) * deviation / weight).max(LEAST_SIZE * LEAST_SIZE * size);
         Self::ByCurvature { scale: mean * bending / weight, range: [mean / BOUND_RANGE, mean * BOUND_RANGE] }
     }
 }
