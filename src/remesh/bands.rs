@@ -77,7 +77,8 @@ impl Choice {
         for (k, facet) in std::mem::take(&mut complex.facets).into_iter().enumerate() {
             let is_curved = supports[facet.surface].is_some();
             for piece in cut_facet(facet, &marks, &points) {
-                let is_near = || hot.get(&FacetId::new(k)).is_some_and(|h| h.iter().any(|p| is_on_border(&piece, p, &points, reach)));
+                let is_near =
+                    || hot.get(&FacetId::new(k)).is_some_and(|h| h.iter().any(|p| is_on_border(&piece, p, &points, reach)));
                 is_chosen.push(is_curved && if is_ruled[k] { is_near() } else { is_modified[k] });
                 facets.push(piece);
             }
@@ -185,8 +186,8 @@ impl<'a> Strips<'a> {
         for (id, facet) in self.complex.facets.enumerate() {
             let Some(support) = self.support(id) else { continue };
             for &v in facet.loops.iter().flatten() {
-                is_off[v.index()] |= support.distance(&self.point(v)) > self.reach
-                    && straight.binary_search(&(v, facet.surface)).is_err();
+                is_off[v.index()] |=
+                    support.distance(&self.point(v)) > self.reach && straight.binary_search(&(v, facet.surface)).is_err();
             }
         }
         is_off
@@ -247,7 +248,10 @@ impl<'a> Strips<'a> {
                 list.extend(bands.filter(|b| b[1] > 0.0 && b[0] < length));
             }
         }
-        bands.into_iter().map(|(ruling, (depth, list))| (ruling, self.ends_of_bands(ruling, list, LEAST_REST * depth))).collect()
+        bands
+            .into_iter()
+            .map(|(ruling, (depth, list))| (ruling, self.ends_of_bands(ruling, list, LEAST_REST * depth)))
+            .collect()
     }
 
     /// The ends of the union of some bands that leave at least `rest` of a ruling.

@@ -5,7 +5,8 @@
 //! surfaces, markers and interfaces. Planar facets stay polygons.
 //!
 //! 1. Supports: `patch` gives every curved surface its true shape, before anything changes.
-//! 2. Strips of the treated surfaces are divided into triangles (`Brep::divide_facet`).
+//! 2. What is remeshed (`bands`): all curved facets, or those near curves that an intersection made; strips are cut across there.
+//!    These facets are divided into triangles (`Brep::divide_facet`).
 //! 3. Feature edges (`features`) are chained between corners; every chain gets its true curve, every vertex its place: corner,
 //!    on a curve, on a surface. A vertex of an intersection is projected on all surfaces at once.
 //! 4. Sizes (`sizing`): the edge length whose chord has the allowed deviation, limited by parts and thin gaps, graded.
@@ -133,7 +134,12 @@ fn split_bent(complex: &mut Complex) {
 }
 
 impl Workpiece {
-    fn new(complex: Complex, supports: IdVec<SurfaceId, Option<Arc<Support>>>, shares: Vec<f64>, choice: Choice) -> Outcome<Self> {
+    fn new(
+        complex: Complex,
+        supports: IdVec<SurfaceId, Option<Arc<Support>>>,
+        shares: Vec<f64>,
+        choice: Choice,
+    ) -> Outcome<Self> {
         let size = Aabb::around(complex.vertices.iter().map(|v| &v.point)).diagonal();
         Ok(Self {
             brep: Brep::from_complex(complex)?,

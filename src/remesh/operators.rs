@@ -3,16 +3,16 @@
 //! Common rules: no triangle flips or leaves the allowed deviation further than its predecessors did, planar facets stay
 //! simple, freedoms are respected. What else an operation must improve is up to the caller.
 
+use super::bands::STRAIGHT;
 use super::polygons::Change;
 use super::quality::sharpest_cosine;
-use super::bands::STRAIGHT;
 use super::workpiece::{CurveId, Measure, Place, Workpiece, sorted};
-use crate::patch::curve::Curve;
 use crate::brep::complex::ComplexVertex;
 use crate::brep::local::{Collapse, Swap, Touched};
 use crate::brep::store::EdgeId;
 use crate::geom::Vec3;
 use crate::ids::{FacetId, Id, VertexId};
+use crate::patch::curve::Curve;
 use crate::primitive::solid::Freedom;
 
 /// Least gain, in the cosine of the smallest angle (a quarter of a degree), for which an angle is raised: without it, a patch would

@@ -146,3 +146,55 @@ fn split_loop(walk: Vec<VertexId>, chords: &[[VertexId; 2]]) -> Vec<Vec<VertexId
     }
     parts
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ids::{LeafId, MarkerId, RegionId, SurfaceId};
+
+    /// A strip 2 wide and 10 long, its rulings 0-1 and 2-3, with a hole and marks at heights 4 and 5.
+    fn strip() -> (ComplexFacet, Vec<Vec3>) {
+        let p = |x: f64, y: f64| Vec3::new(x, y, 0.0);
+        let points =
+            vec![p(2., 0.), p(2., 10.), p(0., 10.), p(0., 0.), p(0.5, 7.), p(1., 8.), p(1.5, 7.), p(2., 4.), p(0., 5.)];
+        let facet = ComplexFacet {
+            loops: vec![[0, 1, 2, 3].map(VertexId).to_vec(), [4, 5, 6].map(VertexId).to_vec()],
+            triangles: Vec::new(),
+            sides: [RegionId(0), RegionId(1)],
+            surface: SurfaceId(0),
+            source: (LeafId(0), 0),
+            marker: MarkerId(0),
+            is_modified: true,
+        };
+        (facet, points)
+    }
+
+    fn area(facet: &ComplexFacet, points: &[Vec3]) -> f64 {
+        let corners = facet.triangles.iter().map(|t| t.map(|v| points[v.0 as usize]));
+        corners.map(|[a, b, c]| (b - a).cross(&(c - a)).z / 2.0).sum()
+    }
+
+    #[test]
+    fn a_strip_is_cut_where_the_bands_of_its_rulings_end() {
+        let (facet, points) = strip();
+        let mark = |v: u32, is_hot_beyond| vec![Mark { vertex: VertexId(v), is_hot_beyond }];
+        // Towards vertices 1 and 2 the strip is hot: beyond 7 as seen from 0, before 8 as seen from 2.
+        let marks: Marks =
+            [([0, 1].map(VertexId), mark(7, true)), ([2, 3].map(VertexId), mark(8, false))].into_iter().collect();
+        let mut found = cut_facet(facet, &marks, &points);
+        found.sort_by_key(|f| f.loops.len());
+        let [cold, hot] = &found[..] else { panic!("{} pieces", found.len()) };
+        assert_eq!((cold.loops.len(), cold.loops[0].len(), area(cold, &points)), (1, 4, 9.0));
+        assert_eq!((hot.loops.len(), hot.loops[0].len(), area(hot, &points)), (2, 4, 10.5));
+    }
+
+    #[test]
+    fn marks_of_two_bands_are_not_joined() {
+        let (facet, points) = strip();
+        let mark = |v: u32, is_hot_beyond| vec![Mark { vertex: VertexId(v), is_hot_beyond }];
+        // Hot above on one ruling, below on the other.
+        let marks: Marks = [([0, 1].map(VertexId), mark(7, true)), ([2, 3].map(VertexId), mark(8, true))].into_iter().collect();
+        let found = cut_facet(facet, &marks, &points);
+        assert_eq!((found.len(), found[0].loops[0].len(), area(&found[0], &points)), (1, 6, 19.5));
+    }
+}

@@ -83,8 +83,7 @@ impl Workpiece {
                 self.smooth();
             }
         }
-        let ev = |n: &str, d: f64| std::env::var(n).ok().and_then(|x| x.parse().ok()).unwrap_or(d);
-        self.obtuse = ev("OB", OBTUSE);
+        self.obtuse = OBTUSE;
         self.polish();
         for _ in 0..THIN_ROUNDS {
             self.thin_out();
@@ -94,7 +93,7 @@ impl Workpiece {
             }
             self.polish();
         }
-        self.obtuse = ev("OBL", 0.0);
+        self.obtuse = 0.0;
         self.changed.clear();
         self.polish();
     }
