@@ -53,7 +53,8 @@ use crate::brep::model::Brep;
 use crate::diag::Outcome;
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
-use crate::geom::polygon::is_planar;
+use crate::geom::polygon::{is_planar, vector_area};
+use crate::geom::predicates::{Projection, orient2d};
 use crate::ids::{FacetId, Id, IdVec, PartId, SurfaceId};
 use crate::patch::fit::supports_of;
 use crate::patch::support::Support;
@@ -67,6 +68,8 @@ use workpiece::Workpiece;
 
 /// Attempts at most; each one remeshes surfaces at fault closer to their true shape, or leaves them alone.
 const ATTEMPTS: usize = 6;
+/// Sine of the turn below which a corner counts as straight.
+const STRAIGHT_SINE: f64 = 1e-9;
 /// Share of the deviation bound at which a surface at fault is left alone.
 const LEAST_SHARE: f64 = 0.3;
 
@@ -112,8 +115,8 @@ pub fn remesh(complex: Complex, options: &RemeshOptions, parts: &IdVec<PartId, P
     Ok(evaluated)
 }
 
-/// Strips that were left as they are, beside curves that moved to the true surface, are no longer planar: they become their
-/// triangles, which are planar always.
+/// Polygons that are no longer planar, strips beside curves that moved to the true surface, become their triangles, which are
+/// planar always. So do polygons with a corner that is straight but for rounding: TetGen 1.5 dies of them; it merges the triangles.
 fn split_bent(complex: &mut Complex) {
     let points: Vec<Vec3> = complex.vertices.iter().map(|v| v.point).collect();
     let extent = Aabb::around(&points).diagonal();
@@ -122,7 +125,8 @@ fn split_bent(complex: &mut Complex) {
     for facet in std::mem::take(&mut complex.facets) {
         let loops: Vec<Vec<u32>> = facet.loops.iter().map(|l| l.iter().map(|v| v.0).collect()).collect();
         let walks: Vec<&[u32]> = loops.iter().map(|l| &l[..]).collect();
-        if facet.triangles.len() == 1 || is_planar(&walks, &points, flatness) {
+        let is_sound = || is_planar(&walks, &points, flatness) && !has_straight_corner(&walks, &points);
+        if facet.triangles.len() == 1 || is_sound() {
             facets.push(facet);
             continue;
         }
@@ -131,6 +135,19 @@ fn split_bent(complex: &mut Complex) {
         }
     }
     complex.facets = facets;
+}
+
+/// Whether a polygon has a corner that is nearly, but not exactly, straight.
+fn has_straight_corner(walks: &[&[u32]], points: &[Vec3]) -> bool {
+    let projection = Projection::along(&vector_area(walks.iter().copied(), points));
+    walks.iter().filter(|w| w.len() > 2).any(|w| {
+        (0..w.len()).any(|k| {
+            let [a, b, c] = [0, 1, 2].map(|i| points[w[(k + i) % w.len()] as usize]);
+            let (u, v) = (b - a, c - b);
+            let is_near = u.cross(&v).norm() <= STRAIGHT_SINE * u.norm() * v.norm() && u.dot(&v) > 0.0;
+            is_near && orient2d(projection.apply(&a), projection.apply(&b), projection.apply(&c)) != 0
+        })
+    })
 }
 
 impl Workpiece {
