@@ -53,7 +53,7 @@ use crate::brep::model::Brep;
 use crate::diag::Outcome;
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
-use crate::geom::polygon::{is_planar, vector_area};
+use crate::geom::polygon::is_planar;
 use crate::geom::predicates::{Projection, orient2d};
 use crate::ids::{FacetId, Id, IdVec, PartId, SurfaceId};
 use crate::patch::fit::supports_of;
@@ -139,13 +139,14 @@ fn split_bent(complex: &mut Complex) {
 
 /// Whether a polygon has a corner that is nearly, but not exactly, straight.
 fn has_straight_corner(walks: &[&[u32]], points: &[Vec3]) -> bool {
-    let projection = Projection::along(&vector_area(walks.iter().copied(), points));
+    let sides = [Vec3::x(), Vec3::y(), Vec3::z()].map(|axis| Projection::along(&axis));
+    let turns = |p: Projection, a: &Vec3, b: &Vec3, c: &Vec3| orient2d(p.apply(a), p.apply(b), p.apply(c)) != 0;
     walks.iter().filter(|w| w.len() > 2).any(|w| {
         (0..w.len()).any(|k| {
             let [a, b, c] = [0, 1, 2].map(|i| points[w[(k + i) % w.len()] as usize]);
             let (u, v) = (b - a, c - b);
             let is_near = u.cross(&v).norm() <= STRAIGHT_SINE * u.norm() * v.norm() && u.dot(&v) > 0.0;
-            is_near && orient2d(projection.apply(&a), projection.apply(&b), projection.apply(&c)) != 0
+            is_near && sides.iter().any(|&p| turns(p, &a, &b, &c))
         })
     })
 }
