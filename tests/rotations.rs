@@ -14,7 +14,7 @@ use gsm::plc;
 use gsm::primitive;
 use gsm::remesh::remesh;
 use gsm::report::timing::Timings;
-use gsm::scene::model::Scene;
+use gsm::scene::model::{RemeshMode, RemeshOptions, Scene};
 use gsm::scene::{self, Limits};
 use gsm::tetgen::{self, Input, Meshed, Options, Program, find};
 use std::collections::BTreeMap;
@@ -225,7 +225,8 @@ fn remeshed_scenes_are_valid_when_rotated() {
     for (name, set) in SCENES {
         let scene = moved(&load(name, set), &rotation(7));
         let evaluated = build(&scene).unwrap_or_else(|e| panic!("{name}: {e}"));
-        let done = remesh(evaluated.clone(), &scene.remesh, &scene.parts).unwrap_or_else(|e| panic!("{name}: {e:?}"));
+        let options = RemeshOptions { mode: RemeshMode::Interfaces, ..scene.remesh };
+        let done = remesh(evaluated.clone(), &options, &scene.parts).unwrap_or_else(|e| panic!("{name}: {e:?}"));
         let points: Vec<Vec3> = done.vertices.iter().map(|v| v.point).collect();
         let triangles: Vec<[u32; 3]> = done.facets.iter().flat_map(|f| f.triangles.iter().map(|t| t.map(|v| v.0))).collect();
         assert_eq!(violations(&points, &triangles, 9).len(), 0, "{name}");
