@@ -44,6 +44,18 @@ impl Workpiece {
                 self.trace(edge, &mut is_done);
             }
         }
+        self.place_slides();
+    }
+
+    /// Vertices that were put into rulings stay on them where a strip stays.
+    fn place_slides(&mut self) {
+        for (vertex, direction) in self.choice.slides.clone() {
+            let is_inner = self.brep.topology.edges_at(vertex).all(|e| !self.brep.is_feature(e));
+            if is_inner && self.place(vertex) == Place::Corner {
+                let curve = self.curves.push(Curve::Line { origin: self.point(vertex), direction });
+                self.places[vertex.index()] = Place::Curve(curve);
+            }
+        }
     }
 
     /// The surface of a vertex without feature edges; `None` at feature edges, at apexes and at facets that stay.

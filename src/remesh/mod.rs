@@ -5,7 +5,8 @@
 //! surfaces, markers and interfaces. Planar facets stay polygons.
 //!
 //! 1. Supports: `patch` gives every curved surface its true shape, before anything changes.
-//! 2. Strips of the treated surfaces are divided into triangles (`Brep::divide_facet`).
+//! 2. What is remeshed (`bands`): all curved facets, or those near curves that an intersection made; strips are cut across there.
+//!    These facets are divided into triangles (`Brep::divide_facet`).
 //! 3. Feature edges (`features`) are chained between corners; every chain gets its true curve, every vertex its place: corner,
 //!    on a curve, on a surface. A vertex of an intersection is projected on all surfaces at once.
 //! 4. Sizes (`sizing`): the edge length whose chord has the allowed deviation, limited by parts and thin gaps, graded.
@@ -34,9 +35,11 @@
 //! strip 300 x 26 of a cylinder -> split along its length at the wanted size, swapped to triangles, 24 segments kept or not
 //! ```
 
+mod bands;
 mod creases;
 mod features;
 mod operators;
+mod pieces;
 mod polygons;
 mod quality;
 mod relocate;
@@ -51,11 +54,13 @@ use crate::diag::Outcome;
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
 use crate::geom::polygon::is_planar;
+use crate::geom::predicates::{Projection, orient2d};
 use crate::ids::{FacetId, Id, IdVec, PartId, SurfaceId};
 use crate::patch::fit::supports_of;
 use crate::patch::support::Support;
 use crate::round::PLANAR_ULPS;
 use crate::scene::model::{Part, RemeshMode, RemeshOptions};
+use bands::Choice;
 use sizing::{Bound, Limits};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -63,6 +68,8 @@ use workpiece::Workpiece;
 
 /// Attempts at most; each one remeshes surfaces at fault closer to their true shape, or leaves them alone.
 const ATTEMPTS: usize = 6;
+/// Sine of the turn below which a corner counts as straight.
+const STRAIGHT_SINE: f64 = 1e-9;
 /// Share of the deviation bound at which a surface at fault is left alone.
 const LEAST_SHARE: f64 = 0.3;
 
@@ -77,13 +84,21 @@ pub fn remesh(complex: Complex, options: &RemeshOptions, parts: &IdVec<PartId, P
     if options.mode == RemeshMode::Off {
         return Ok(complex);
     }
+    let evaluated = complex.clone();
     let mut complex = complex;
     let count = complex.surfaces.len();
     let original = creases::divide(&mut complex);
     let supports = supports_of(&complex, options.patches);
+    let choice = match options.mode {
+        RemeshMode::Interfaces => Choice::near_intersections(&mut complex, &supports),
+        _ => Choice::all(&complex, &supports),
+    };
+    if !choice.is_chosen.contains(&true) {
+        return Ok(evaluated);
+    }
     let mut shares = vec![1.0; complex.surfaces.len()];
     for _ in 0..ATTEMPTS {
-        let mut work = Workpiece::new(complex.clone(), supports.clone(), shares.clone())?;
+        let mut work = Workpiece::new(complex.clone(), supports.clone(), shares.clone(), choice.clone())?;
         work.remesh(options, parts);
         let faulty = work.faulty_surfaces();
         if faulty.is_empty() {
@@ -97,12 +112,11 @@ pub fn remesh(complex: Complex, options: &RemeshOptions, parts: &IdVec<PartId, P
             *share = if *share > LEAST_SHARE { *share * 0.5 } else { 0.0 };
         }
     }
-    creases::restore(&mut complex, &original, count);
-    Ok(complex)
+    Ok(evaluated)
 }
 
-/// Strips that were left as they are, beside curves that moved to the true surface, are no longer planar: they become their
-/// triangles, which are planar always.
+/// Polygons that are no longer planar, strips beside curves that moved to the true surface, become their triangles, which are
+/// planar always. So do polygons with a corner that is straight but for rounding: TetGen 1.5 dies of them; it merges the triangles.
 fn split_bent(complex: &mut Complex) {
     let points: Vec<Vec3> = complex.vertices.iter().map(|v| v.point).collect();
     let extent = Aabb::around(&points).diagonal();
@@ -111,7 +125,8 @@ fn split_bent(complex: &mut Complex) {
     for facet in std::mem::take(&mut complex.facets) {
         let loops: Vec<Vec<u32>> = facet.loops.iter().map(|l| l.iter().map(|v| v.0).collect()).collect();
         let walks: Vec<&[u32]> = loops.iter().map(|l| &l[..]).collect();
-        if facet.triangles.len() == 1 || is_planar(&walks, &points, flatness) {
+        let is_sound = || is_planar(&walks, &points, flatness) && !has_straight_corner(&walks, &points);
+        if facet.triangles.len() == 1 || is_sound() {
             facets.push(facet);
             continue;
         }
@@ -122,8 +137,27 @@ fn split_bent(complex: &mut Complex) {
     complex.facets = facets;
 }
 
+/// Whether a polygon has a corner that is nearly, but not exactly, straight.
+fn has_straight_corner(walks: &[&[u32]], points: &[Vec3]) -> bool {
+    let sides = [Vec3::x(), Vec3::y(), Vec3::z()].map(|axis| Projection::along(&axis));
+    let turns = |p: Projection, a: &Vec3, b: &Vec3, c: &Vec3| orient2d(p.apply(a), p.apply(b), p.apply(c)) != 0;
+    walks.iter().filter(|w| w.len() > 2).any(|w| {
+        (0..w.len()).any(|k| {
+            let [a, b, c] = [0, 1, 2].map(|i| points[w[(k + i) % w.len()] as usize]);
+            let (u, v) = (b - a, c - b);
+            let is_near = u.cross(&v).norm() <= STRAIGHT_SINE * u.norm() * v.norm() && u.dot(&v) > 0.0;
+            is_near && sides.iter().any(|&p| turns(p, &a, &b, &c))
+        })
+    })
+}
+
 impl Workpiece {
-    fn new(complex: Complex, supports: IdVec<SurfaceId, Option<Arc<Support>>>, shares: Vec<f64>) -> Outcome<Self> {
+    fn new(
+        complex: Complex,
+        supports: IdVec<SurfaceId, Option<Arc<Support>>>,
+        shares: Vec<f64>,
+        choice: Choice,
+    ) -> Outcome<Self> {
         let size = Aabb::around(complex.vertices.iter().map(|v| &v.point)).diagonal();
         Ok(Self {
             brep: Brep::from_complex(complex)?,
@@ -136,6 +170,7 @@ impl Workpiece {
             sizes: Vec::new(),
             bound: Bound::Fixed(size),
             shares,
+            choice,
             obtuse: 0.0,
             changed: Vec::new(),
         })
@@ -143,7 +178,7 @@ impl Workpiece {
 
     fn remesh(&mut self, options: &RemeshOptions, parts: &IdVec<PartId, Part>) {
         let size = Aabb::around(self.brep.vertices.iter().map(|v| &v.point)).diagonal();
-        let treated = self.choose(options.mode);
+        let treated = self.chosen();
         self.bound = match options.max_deviation {
             Some(d) => Bound::Fixed(d),
             None => self.present_bound(&treated, size),
@@ -155,20 +190,9 @@ impl Workpiece {
     }
 
     /// The facets to be remeshed.
-    fn choose(&self, mode: RemeshMode) -> Vec<FacetId> {
-        let topology = &self.brep.topology;
-        let is_curved = |f: &FacetId| self.supports[self.brep.facets[*f].surface].is_some();
-        let is_modified = |f: FacetId| self.brep.facets[f].is_modified;
-        // Strips are as long as their side: only the cut ones. Triangles: also those beside cut ones.
-        let is_beside =
-            |f: FacetId| topology.triangle(f).is_some_and(|t| t.iter().any(|&v| topology.facets_at(v).any(is_modified)));
-        let is_open = |f: &FacetId| self.share(*f) > 0.0;
-        topology
-            .facets()
-            .filter(is_curved)
-            .filter(is_open)
-            .filter(|&f| mode == RemeshMode::Full || is_modified(f) || is_beside(f))
-            .collect()
+    fn chosen(&self) -> Vec<FacetId> {
+        let facets = self.brep.topology.facets();
+        facets.filter(|&f| self.choice.is_chosen[f.index()] && self.share(f) > 0.0).collect()
     }
 
     /// The default bound (equation 4.1).

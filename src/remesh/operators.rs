@@ -3,14 +3,16 @@
 //! Common rules: no triangle flips or leaves the allowed deviation further than its predecessors did, planar facets stay
 //! simple, freedoms are respected. What else an operation must improve is up to the caller.
 
+use super::bands::STRAIGHT;
 use super::polygons::Change;
 use super::quality::sharpest_cosine;
-use super::workpiece::{Measure, Place, Workpiece, sorted};
+use super::workpiece::{CurveId, Measure, Place, Workpiece, sorted};
 use crate::brep::complex::ComplexVertex;
 use crate::brep::local::{Collapse, Swap, Touched};
 use crate::brep::store::EdgeId;
 use crate::geom::Vec3;
 use crate::ids::{FacetId, Id, VertexId};
+use crate::patch::curve::Curve;
 use crate::primitive::solid::Freedom;
 
 /// Least gain, in the cosine of the smallest angle (a quarter of a degree), for which an angle is raised: without it, a patch would
@@ -48,7 +50,12 @@ impl Workpiece {
         let around: Vec<FacetId> = self.brep.topology.facets_around(edge).collect();
         let treated: Vec<FacetId> = around.iter().copied().filter(|&f| self.is_treated(f)).collect();
         let surface = self.brep.facets[*treated.first()?].surface;
-        let curve = self.curve_of(edge);
+        let strip = around.iter().copied().find(|&f| self.is_strip(f));
+        let curve = match strip {
+            // Strips stay planar: only their rulings may be split.
+            Some(strip) => Some(self.ruling_of(edge, strip)?),
+            None => self.curve_of(edge),
+        };
         let is_feature = self.brep.is_feature(edge);
         let (place, freedom) = match curve {
             Some(c) => (Place::Curve(c), Freedom::Edge),
@@ -93,6 +100,16 @@ impl Workpiece {
         self.mark(&touched.facets);
         self.sizes[vertex.index()] = 0.5 * (self.sizes[ends[0].index()] + self.sizes[ends[1].index()]);
         Some(touched)
+    }
+
+    /// The line of an edge that is straight on the surface of a strip beside it.
+    fn ruling_of(&mut self, edge: EdgeId, strip: FacetId) -> Option<CurveId> {
+        let [a, b] = self.brep.topology.ends(edge).map(|v| self.point(v));
+        let foot = self.support(strip)?.closest(&((a + b) * 0.5));
+        let direction = (b - a).try_normalize(0.0)?;
+        let is_straight = foot.curvature_along(&direction).abs() <= STRAIGHT * foot.principal()[0].0.abs();
+        let is_inner = !self.brep.is_feature(edge);
+        (is_straight && is_inner).then(|| self.curves.push(Curve::Line { origin: a, direction }))
     }
 
     fn split_keeps_sense(&self, facet: FacetId, [a, b]: [VertexId; 2], at: &Vec3) -> bool {

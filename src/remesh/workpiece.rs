@@ -1,5 +1,6 @@
 //! The kernel model under work, with what the operators need to know about it: supports, places, sizes.
 
+use super::bands::Choice;
 use super::quality::sharpest_cosine;
 use super::sizing::Bound;
 use crate::brep::model::Brep;
@@ -76,6 +77,7 @@ pub(super) struct Workpiece {
     pub obtuse: f64,
     /// By surface: share of the bound that it may use; less where facets came too near to others.
     pub shares: Vec<f64>,
+    pub choice: Choice,
     /// By vertex: whether anything around it changed since it was last polished; all true if too short.
     pub changed: Vec<bool>,
 }
@@ -93,7 +95,12 @@ impl Workpiece {
         self.is_treated.get(facet.index()).copied().unwrap_or(false)
     }
 
-    /// The support of a treated facet.
+    /// Whether a facet stays a strip of a curved surface.
+    pub fn is_strip(&self, facet: FacetId) -> bool {
+        !self.is_treated(facet) && self.support(facet).is_some()
+    }
+
+    /// The support of the surface of a facet.
     pub fn support(&self, facet: FacetId) -> Option<&Support> {
         self.supports[self.brep.facets[facet].surface].as_deref()
     }

@@ -55,7 +55,7 @@ pub struct RemeshOptions {
     pub mode: RemeshMode,
     /// What they stay on.
     pub patches: PatchMode,
-    /// Largest distance from the true surface, in the scene's unit; if absent, what the discretization leaves.
+    /// Largest distance from the true surface, in the scene's unit; if absent, 1.5 times what the discretization leaves.
     pub max_deviation: Option<f64>,
 }
 
@@ -65,7 +65,7 @@ pub enum RemeshMode {
     /// None.
     #[default]
     Off,
-    /// Curved facets that the intersection modified.
+    /// Curved facets near curves that the intersection made; strips are cut there, and what lies further off stays as it is.
     Interfaces,
     /// All curved facets.
     Full,
