@@ -1,5 +1,6 @@
 //! The attempts, cheapest in tetrahedra first, until one yields a mesh that counts.
 
+use super::apart::{self, Markers};
 use super::child::{self, Ending, Folder, Limits};
 use super::find::Program;
 use super::input::Input;
@@ -9,7 +10,7 @@ use crate::diag::{Diagnostic, Outcome};
 use crate::io::mesh::{Mesh, RegionNumber};
 use crate::io::poly;
 use crate::plc::Plc;
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::BTreeMap;
 use std::fmt;
 use std::path::Path;
 use std::time::Duration;
@@ -63,8 +64,6 @@ pub struct Meshed {
 pub struct Attempt {
     /// What was done to the complex.
     pub place: Place,
-    /// Whether TetGen was told to keep nearly coplanar facets apart.
-    pub is_apart: bool,
     /// Version of the program.
     pub version: String,
     /// What came of it.
@@ -76,13 +75,12 @@ pub struct Attempt {
 impl fmt::Display for Attempt {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self.place {
-            Place::AsIs => write!(f, "as it is")?,
-            Place::Turned(_) => write!(f, "turned into its main axes and back")?,
-            Place::Bent(amount, _) => write!(f, "bent by {amount:e} and back")?,
-            Place::Split => write!(f, "strips as triangles")?,
-            Place::Moved(amount, _) => write!(f, "vertices moved by {amount:e} of the size")?,
+            Place::AsIs => write!(f, "as it is"),
+            Place::Turned(_) => write!(f, "turned into its main axes and back"),
+            Place::Bent(amount, _) => write!(f, "bent by {amount:e} and back"),
+            Place::Split => write!(f, "strips as triangles, no facets merged"),
+            Place::Moved(amount, _) => write!(f, "vertices moved by {amount:e} of the size"),
         }
-        if self.is_apart { write!(f, ", nearly coplanar facets kept apart") } else { Ok(()) }
     }
 }
 
@@ -93,34 +91,25 @@ impl fmt::Display for Attempt {
 pub fn mesh(input: &Input, programs: &[Program], options: &Options) -> Outcome<Meshed> {
     let mut attempts = Vec::new();
     let mut logs = Vec::new();
-    let mut rungs: VecDeque<Rung> = rungs(input, programs).into();
-    while let Some(rung) = rungs.pop_front() {
-        let Rung { program, place, is_apart } = &rung;
+    let task = Task::new(input, options);
+    for (program, place) in rungs(input, programs) {
         if matches!(place, Place::Moved(..)) && !place.is_valid(input) {
             continue;
         }
-        let (result, run) = match attempt(input, &rung, options) {
+        let (result, run) = match task.attempt(program, &place) {
             Ok(done) => done,
             Err(e) => return Err(vec![Diagnostic::error("no-tetgen", format!("{}: {e}", program.path.display()))]),
         };
         let verdict = match &result {
             Ok(_) => "good".to_string(),
-            Err(Failure::Died(why)) => why.clone(),
-            Err(Failure::Differs(faults)) => faults.first().cloned().unwrap_or_default(),
+            Err(faults) => faults.first().cloned().unwrap_or_default(),
         };
         let version = program.version.clone();
-        attempts.push(Attempt { place: place.clone(), is_apart: *is_apart, version, verdict, seconds: run.seconds });
-        match result {
-            Ok(mesh) => {
-                let moved = if let Place::Moved(amount, _) = *place { amount } else { 0.0 };
-                let volumes = input.volumes(&place::vertices_after(place, input));
-                return Ok(Meshed { mesh, program: (*program).clone(), attempts, volumes, moved });
-            }
-            // Moved triangles of one plane that are kept apart would enclose nothing but slivers.
-            Err(Failure::Differs(_)) if !is_apart && !matches!(place, Place::Moved(..)) => {
-                rungs.push_front(Rung { is_apart: true, ..rung })
-            }
-            Err(_) => {}
+        attempts.push(Attempt { place: place.clone(), version, verdict, seconds: run.seconds });
+        if let Ok(mesh) = result {
+            let moved = if let Place::Moved(amount, _) = place { amount } else { 0.0 };
+            let volumes = input.volumes(&place::vertices_after(&place, input));
+            return Ok(Meshed { mesh, program: program.clone(), attempts, volumes, moved });
         }
         logs.push(run.log);
         if run.ending == Ending::OutOfTime {
@@ -137,63 +126,80 @@ fn too_slow(options: &Options) -> Diagnostic {
         .hint("thin gaps and small angles cost most: a gap of a hundredth of its width needs about ten thousand tetrahedra")
 }
 
-/// An attempt to be made.
-struct Rung<'a> {
-    program: &'a Program,
-    place: Place,
-    /// TetGen merges facets within about 1e-7 of one plane (doubly curved surfaces, finely divided) to one of another volume; where
-    /// that is what went wrong, it is told not to. Never first: it costs tetrahedra.
-    is_apart: bool,
-}
-
 /// The attempts in order.
-fn rungs<'a>(input: &Input, programs: &'a [Program]) -> Vec<Rung<'a>> {
+fn rungs<'a>(input: &Input, programs: &'a [Program]) -> Vec<(&'a Program, Place)> {
     let Some((usual, newer)) = programs.split_first() else { return Vec::new() };
-    let rung = |program, place| Rung { program, place, is_apart: false };
     // A complex that lies askew meshes worse as it is even where TetGen survives: coplanar facets are not merged.
-    let mut rungs: Vec<_> = Place::turned(input).into_iter().map(|p| rung(usual, p)).collect();
-    rungs.push(rung(usual, Place::AsIs));
-    rungs.extend(BENDS.map(|(amount, seed)| rung(usual, Place::Bent(amount, seed))));
-    rungs.push(rung(usual, Place::Split));
-    rungs.extend(newer.iter().map(|program| rung(program, Place::AsIs)));
-    rungs.extend(MOVES.map(|(amount, seed)| rung(usual, Place::Moved(amount, seed))));
+    let mut rungs: Vec<_> = Place::turned(input).into_iter().map(|p| (usual, p)).collect();
+    rungs.push((usual, Place::AsIs));
+    rungs.extend(BENDS.map(|(amount, seed)| (usual, Place::Bent(amount, seed))));
+    rungs.push((usual, Place::Split));
+    rungs.extend(newer.iter().map(|program| (program, Place::AsIs)));
+    rungs.extend(MOVES.map(|(amount, seed)| (usual, Place::Moved(amount, seed))));
     rungs
 }
 
-/// Why an attempt does not count.
-enum Failure {
-    /// TetGen did not finish, or wrote no mesh.
-    Died(String),
-    /// It wrote a mesh of something else: what is wrong, a sentence each.
-    Differs(Vec<String>),
+/// A mesh, or why the attempt does not count, a sentence each.
+type Judged = Result<Mesh, Vec<String>>;
+
+/// What all attempts share.
+struct Task<'a> {
+    input: &'a Input,
+    /// The complex with the markers that TetGen gets: facets that it would merge wrongly are kept apart.
+    marked: Input,
+    markers: Markers,
+    options: &'a Options,
 }
 
-type Judged = Result<Mesh, Failure>;
+impl<'a> Task<'a> {
+    fn new(input: &'a Input, options: &'a Options) -> Self {
+        let (marked, markers) = apart::keep_apart(input);
+        Self { input, marked, markers, options }
+    }
 
-fn attempt(input: &Input, rung: &Rung, options: &Options) -> std::io::Result<(Judged, child::Run)> {
-    let Rung { program, place, is_apart } = rung;
-    let folder = Folder::new()?;
-    let plc = limited(place.apply(input), options, place.distortion());
-    std::fs::write(folder.path().join("m.poly"), poly::to_text(&plc, None))?;
-    let stall = STALL + STALL_PER_VERTEX * plc.vertices.len() as u32;
-    let limits = Limits { time: options.time, stall, memory: options.memory };
-    let run = child::run(
-        &program.path,
-        &[&switches(&plc, options, place.distortion(), *is_apart), "m.poly"],
-        folder.path(),
-        &limits,
-    )?;
-    Ok((judge(input, place, &run, folder.path()), run))
+    fn attempt(&self, program: &Program, place: &Place) -> std::io::Result<(Judged, child::Run)> {
+        let folder = Folder::new()?;
+        let plc = limited(place.apply(&self.marked), self.options, place.distortion());
+        std::fs::write(folder.path().join("m.poly"), poly::to_text(&plc, None))?;
+        let stall = STALL + STALL_PER_VERTEX * plc.vertices.len() as u32;
+        let limits = Limits { time: self.options.time, stall, memory: self.options.memory };
+        let switches = switches(&plc, self.options, place);
+        let run = child::run(&program.path, &[&switches, "m.poly"], folder.path(), &limits)?;
+        Ok((self.judge(place, &run, folder.path()), run))
+    }
+
+    fn judge(&self, place: &Place, run: &child::Run, folder: &Path) -> Judged {
+        let input = self.input;
+        let died = |why: String| Err(vec![why]);
+        match run.ending {
+            Ending::Clean => {}
+            Ending::Code(code) => return died(format!("exit code {code}")),
+            Ending::Signal(6) => return died("aborted".into()),
+            Ending::Signal(11) => return died("segmentation fault".into()),
+            Ending::Signal(signal) => return died(format!("died of signal {signal}")),
+            Ending::OutOfTime => return died(format!("out of time after {:.0} s", run.seconds)),
+            Ending::Stalled => return died(format!("endless loop, stopped after {:.0} s", run.seconds)),
+        }
+        let mut mesh = read::read(&folder.join("m")).map_err(|fault| vec![fault.message])?;
+        self.markers.restore(&mut mesh);
+        place.restore(&input.plc, &mut mesh);
+        verify::verify(&mesh, input, &place::vertices_after(place, input))?;
+        mesh.regions = input.regions.iter().map(|(r, label)| (*r, label.name.clone())).collect();
+        mesh.markers = input.markers.clone();
+        mesh.drop_unused_nodes();
+        mesh.orient();
+        Ok(mesh)
+    }
 }
 
 /// TetGen's switches: quality, volumes where seeds have any, region numbers.
-fn switches(plc: &Plc, options: &Options, distortion: f64, is_apart: bool) -> String {
+fn switches(plc: &Plc, options: &Options, place: &Place) -> String {
     // Four: a ratio of two lengths, each of which may be off by the distortion, to first order, and once more for the shape.
-    let ratio = options.ratio / (1.0 + 4.0 * distortion);
+    let ratio = options.ratio / (1.0 + 4.0 * place.distortion());
     let volumes = if plc.seeds.iter().any(|s| s.max_volume.is_some()) { "a" } else { "" };
     let dihedral = if options.dihedral > 0.0 { format!("/{}", options.dihedral) } else { String::new() };
-    let apart = if is_apart { "M" } else { "" };
-    format!("-pq{ratio}{dihedral}A{volumes}{apart}")
+    let unmerged = if *place == Place::Split { "M" } else { "" };
+    format!("-pq{ratio}{dihedral}A{volumes}{unmerged}")
 }
 
 /// The volume limits that TetGen gets: the smaller of the part's and the general one.
@@ -203,25 +209,4 @@ fn limited(mut plc: Plc, options: &Options, distortion: f64) -> Plc {
         seed.max_volume = limit.map(|v| v / (1.0 + 4.0 * distortion));
     }
     plc
-}
-
-fn judge(input: &Input, place: &Place, run: &child::Run, folder: &Path) -> Judged {
-    let died = |why: String| Err(Failure::Died(why));
-    match run.ending {
-        Ending::Clean => {}
-        Ending::Code(code) => return died(format!("exit code {code}")),
-        Ending::Signal(6) => return died("aborted".into()),
-        Ending::Signal(11) => return died("segmentation fault".into()),
-        Ending::Signal(signal) => return died(format!("died of signal {signal}")),
-        Ending::OutOfTime => return died(format!("out of time after {:.0} s", run.seconds)),
-        Ending::Stalled => return died(format!("endless loop, stopped after {:.0} s", run.seconds)),
-    }
-    let mut mesh = read::read(&folder.join("m")).map_err(|fault| Failure::Died(fault.message))?;
-    place.restore(&input.plc, &mut mesh);
-    verify::verify(&mesh, input, &place::vertices_after(place, input)).map_err(Failure::Differs)?;
-    mesh.regions = input.regions.iter().map(|(r, label)| (*r, label.name.clone())).collect();
-    mesh.markers = input.markers.clone();
-    mesh.drop_unused_nodes();
-    mesh.orient();
-    Ok(mesh)
 }

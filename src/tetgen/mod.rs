@@ -4,6 +4,7 @@
 //! find    which programs there are, and of what version
 //! ladder  which attempts are made, cheapest in tetrahedra first
 //! place   the complex as an attempt sees it (turned, bent, moved), and the way back
+//! apart   which facets TetGen must not merge
 //! child   one run: own folder, limits on time and memory, its messages kept
 //! read    .node, .ele, .face
 //! verify  what a result must satisfy to count; TetGen's exit code is not to be trusted
@@ -17,6 +18,7 @@
 //! vertices are cocircular any more. In both the vertices are put back afterwards, bit for bit. (24-gon and 48-gon prisms and
 //! coaxial rings in 8 random rotations each: 5 of 24 as they are, 22 of 24 under a map of 1e-5, 24 of 24 under 1e-4.)
 
+pub mod apart;
 pub mod child;
 pub mod explain;
 pub mod find;

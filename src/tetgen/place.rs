@@ -27,7 +27,8 @@ pub enum Place {
     Turned(Matrix3<f64>),
     /// By a linear map near the identity; a fraction of the size, and which of many.
     Bent(f64, u64),
-    /// None; strips fall apart into their two triangles, which TetGen 1.6 does not lose.
+    /// None; strips fall apart into their two triangles, which TetGen 1.6 does not lose, and no facets are merged (`-M`): 1.6 does
+    /// so at small angles whatever the markers.
     Split,
     /// Each vertex at random by at most a fraction of the size; facets fall apart into their triangles. Not undone.
     Moved(f64, u64),
