@@ -99,6 +99,8 @@ fn conform(scene: &Scene, solids: &[Solid], size: f64) -> Outcome<(Conforming, V
     };
     let faults = match attempt(1.0) {
         Ok(conforming) => return Ok((conforming, Vec::new())),
+        // A part with features that the scene says to ignore is wrong, whatever else touches.
+        Err(faults) if faults.iter().any(|f| f.code == "feature-below-tolerance") => return Err(faults),
         Err(faults) => faults,
     };
     match FINER.iter().find_map(|&share| attempt(share).ok()) {

@@ -22,13 +22,13 @@ const WITHOUT_BREP: [&str; 5] = ["scene", "primitive", "contact", "arrangement",
 const OTHERS: [(&str, &[&str]); 8] = [
     // Table of contents of the evaluator and of the whole.
     ("evaluate", &["scene", "primitive", "contact", "arrangement", "classify", "patch", "select", "round", "brep"]),
-    ("pipeline", &["scene", "primitive", "arrangement", "evaluate", "remesh", "patch", "brep", "plc", "io", "report"]),
+    ("pipeline", &["scene", "primitive", "arrangement", "round", "evaluate", "remesh", "patch", "brep", "plc", "io", "report"]),
     // The check of a complex names what it finds by the manifest, which is a file format.
     ("plc", &["scene", "primitive", "brep", "io"]),
     ("io", &["scene", "brep", "plc"]),
     ("tetgen", &["scene", "brep", "plc", "io"]),
-    // It tells what the arrangement counted.
-    ("report", &["scene", "arrangement", "brep", "plc", "io", "pipeline", "tetgen"]),
+    // It tells what the arrangement and rounding counted.
+    ("report", &["scene", "arrangement", "round", "brep", "plc", "io", "pipeline", "tetgen"]),
     ("cli", &[]),
     ("commands", &["cli", "scene", "brep", "plc", "io", "tetgen", "report", "pipeline"]),
 ];
