@@ -34,7 +34,6 @@ pub fn triangulate(mut loops: Loops, points: &[Vec3], flatness: f64) -> Result<V
         true => loops.iter().map(|facet| triangles_of(facet, points)).collect(),
         false => loops.par_iter().with_min_len(256).map(|facet| triangles_of(facet, points)).collect(),
     };
-    let mut is_cut = vec![false; loops.len()];
     for _ in 0..MAX_CUTS {
         let failed: Vec<usize> = (0..loops.len()).filter(|&k| triangles[k].is_err()).collect();
         let changed = touching::cut(&mut loops, &failed, points, flatness);
@@ -43,7 +42,6 @@ pub fn triangulate(mut loops: Loops, points: &[Vec3], flatness: f64) -> Result<V
         }
         for facet in changed {
             triangles[facet] = triangles_of(&loops[facet], points);
-            is_cut[facet] = true;
         }
     }
     let mut pieces = Vec::with_capacity(loops.len());
@@ -51,7 +49,7 @@ pub fn triangulate(mut loops: Loops, points: &[Vec3], flatness: f64) -> Result<V
         let walks: Vec<&[u32]> = loops.iter().map(|l| &l[..]).collect();
         match triangles {
             Ok(triangles) if triangles.is_empty() => {}
-            Ok(triangles) if triangles.len() == 1 || is_whole(&walks, &triangles, is_cut[facet], points, flatness) => {
+            Ok(triangles) if triangles.len() == 1 || is_whole(&walks, &triangles, points, flatness) => {
                 pieces.push(Piece { facet, loops, triangles });
             }
             Ok(triangles) => {
@@ -76,9 +74,9 @@ fn triangles_of(loops: &[Vec<u32>], points: &[Vec3]) -> Triangles {
     polygon::triangulate(&walks, &[], &[], points)
 }
 
-/// Whether a facet is one planar polygon; only one that was cut may be several.
-fn is_whole(walks: &[&[u32]], triangles: &[[u32; 3]], is_cut: bool, points: &[Vec3], flatness: f64) -> bool {
-    polygon::is_planar(walks, points, flatness) && !(is_cut && falls_apart(triangles))
+/// Whether a facet is one planar polygon; one loop that visits no vertex twice does not fall apart.
+fn is_whole(walks: &[&[u32]], triangles: &[[u32; 3]], points: &[Vec3], flatness: f64) -> bool {
+    polygon::is_planar(walks, points, flatness) && !(walks.len() > 1 && falls_apart(triangles))
 }
 
 /// Whether triangles hang together in vertices only.
