@@ -16,7 +16,7 @@
 //! | arrangement | cuts triangles exactly over interned implicit points | `arrangement/{broad_phase,intersect,graph,crossings,subdivide,coincide}.rs`, signs in `point.rs`, `exact.rs` |
 //! | classify | sorts pieces around edges, spreads labels from one ray per component | `classify/{edges,labels,raycast}.rs` |
 //! | select | folds the decision table, gives names, merges pieces to polygons | `select/{table,decide,markers,merge}.rs` |
-//! | round | dissolves, rounds, triangulates, numbers regions, verifies, repairs | `round/{dissolve,collapse,facets,regions,repair,freedom}.rs` |
+//! | round | dissolves, rounds, triangulates, numbers regions, verifies, repairs | `round/{dissolve,collapse,touching,facets,regions,repair,freedom}.rs` |
 //!
 //! # Departures from the thesis
 //! All operands at once instead of pairs (2.2.4); exact signs, which the thesis gave up as too slow (6.1); labels on both sides
@@ -29,7 +29,8 @@
 //! a millionth of it are tried; what was wrong is then told as warnings. What none can resolve is refused by name.
 //!
 //! # Rounding
-//! The last step is verified. Where rounding to `f64` breaks what was decided, the rounded facets are cut against each other and
+//! The last step is verified. A vertex that rounding put onto or through an edge of its own facet cuts that edge in all facets
+//! (`round/touching.rs`), so that every facet is simple or split where it touches itself. Where rounding to `f64` breaks what was decided, the rounded facets are cut against each other and
 //! rounded again (`round/repair.rs`); what is still broken after a few rounds is refused by name, never written.
 
 mod findings;

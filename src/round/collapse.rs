@@ -5,6 +5,9 @@ use crate::geom::hash::IndexMap;
 use crate::geom::polygon;
 use crate::geom::predicates::Projection;
 
+/// Walks up to which comparing all pairs is faster than sorting.
+const SHORT_WALK: usize = 16;
+
 /// Facets' loops over rounded vertices.
 pub type Loops = Vec<Vec<Vec<u32>>>;
 
@@ -34,40 +37,90 @@ pub fn weld(mut facets: Loops, places: &[Vec3], explicit: usize, reach: f64) -> 
     (points, facets)
 }
 
-/// Drops what collapsed in one facet. A hole or a slit that collapsed to a line or a point is a place where something touches.
-fn tidy(facet: &mut Vec<Vec<u32>>, points: &[Vec3]) {
-    let is_proper = |walk: &Vec<u32>| {
-        let n = walk.len();
-        n >= 3 && (0..n).all(|k| walk[k] != walk[(k + 1) % n] && walk[k] != walk[(k + 2) % n])
-    };
-    if facet.iter().all(is_proper) {
+/// Makes the loops of one facet simple again. An edge walked in both directions bounds nothing there: it, and a loop that
+/// collapsed to a point, is a place where something touches, and stays if it lies inside. A loop is cut where it visits a vertex
+/// twice. What the facet covers stays the same.
+pub fn tidy(facet: &mut Vec<Vec<u32>>, points: &[Vec3]) {
+    if facet.iter().all(|walk| walk.len() >= 3) && !has_repeats(facet) {
         return;
     }
-    let mut touching: Vec<Vec<u32>> = Vec::new();
-    for walk in facet.iter_mut() {
-        let first = walk[0];
-        let is_point = walk.iter().all(|&v| v == first);
-        *walk = without_spikes(std::mem::take(walk), &mut touching);
-        if is_point {
-            touching.push(vec![first]);
+    let mut touching: Vec<Vec<u32>> = facet.iter().filter(|w| w.iter().all(|v| *v == w[0])).map(|w| vec![w[0]]).collect();
+    let edges = facet.iter().flat_map(|w| (0..w.len()).map(|k| [w[k], w[(k + 1) % w.len()]])).filter(|[a, b]| a != b);
+    let mut left: Vec<Option<[u32; 2]>> = Vec::new();
+    let mut unmatched: IndexMap<[u32; 2], Vec<usize>> = IndexMap::default();
+    for [a, b] in edges {
+        match unmatched.get_mut(&[b, a]).and_then(Vec::pop) {
+            Some(k) => touching.extend(left[k].take().map(Vec::from)),
+            None => {
+                unmatched.entry([a, b]).or_default().push(left.len());
+                left.push(Some([a, b]));
+            }
         }
     }
-    if facet.first().is_some_and(|outer| outer.len() < 3) {
-        facet.clear();
-        return;
+    *facet = simple_loops(left.into_iter().flatten().collect());
+    let size = |walk: &Vec<u32>| polygon::vector_area([&walk[..]], points).norm();
+    let sizes: Vec<f64> = facet.iter().map(size).collect();
+    let outer = (0..sizes.len()).fold(0, |m, k| if sizes[k] > sizes[m] { k } else { m });
+    if !facet.is_empty() {
+        facet[..=outer].rotate_right(1);
     }
-    facet.retain(|walk| walk.len() >= 3);
     touching.iter_mut().for_each(|t| t.sort_unstable());
     touching.sort_unstable_by_key(|t| (std::cmp::Reverse(t.len()), t.clone()));
     touching.dedup();
     let is_inside = within(facet, points);
+    let is_rim = |t: &[u32]| {
+        t.len() == 2 && [[t[0], t[1]], [t[1], t[0]]].iter().any(|e| unmatched.get(e).is_some_and(|k| !k.is_empty()))
+    };
     for found in touching {
         let middle = found.iter().map(|&v| points[v as usize]).sum::<Vec3>() / found.len() as f64;
-        let is_known = found.len() == 1 && facet.iter().any(|walk| walk.contains(&found[0]));
+        let is_known = is_rim(&found) || found.len() == 1 && facet.iter().any(|walk| walk.contains(&found[0]));
         if !is_known && is_inside(&middle) {
             facet.push(found);
         }
     }
+}
+
+/// Whether loops visit a vertex twice.
+fn has_repeats(facet: &[Vec<u32>]) -> bool {
+    if let [walk] = facet
+        && walk.len() <= SHORT_WALK
+    {
+        return walk.iter().enumerate().any(|(k, v)| walk[..k].contains(v));
+    }
+    let mut all = facet.concat();
+    all.sort_unstable();
+    all.windows(2).any(|w| w[0] == w[1])
+}
+
+/// Closed walks over directed edges, cut at vertices that they visit twice. As many edges end in a vertex as begin there.
+fn simple_loops(edges: Vec<[u32; 2]>) -> Vec<Vec<u32>> {
+    let mut from: IndexMap<u32, Vec<usize>> = IndexMap::default();
+    for (k, edge) in edges.iter().enumerate().rev() {
+        from.entry(edge[0]).or_default().push(k);
+    }
+    let mut loops: Vec<Vec<usize>> = Vec::new();
+    let mut path: Vec<usize> = Vec::new();
+    let mut step_of: IndexMap<u32, usize> = IndexMap::default();
+    for &[start, _] in &edges {
+        let mut at = start;
+        while let Some(k) = from.get_mut(&at).and_then(Vec::pop) {
+            step_of.insert(at, path.len());
+            path.push(k);
+            at = edges[k][1];
+            if let Some(&first) = step_of.get(&at) {
+                let mut cut = path.split_off(first);
+                for &k in &cut {
+                    step_of.remove(&edges[k][0]);
+                }
+                let lowest = (0..cut.len()).min_by_key(|&i| cut[i]).unwrap_or(0);
+                cut.rotate_left(lowest);
+                loops.push(cut);
+            }
+        }
+    }
+    // Loops and their starts in the order in which they came.
+    loops.sort_unstable();
+    loops.into_iter().map(|l| l.into_iter().map(|k| edges[k][0]).collect()).collect()
 }
 
 /// Tells whether a place in the plane of a polygon is inside of it, to rounding.
@@ -118,42 +171,6 @@ fn number_places(facets: &Loops, places: &[Vec3], explicit: usize, reach: f64) -
     number
 }
 
-/// Drops repeated neighbours and steps back and forth, which are added to `spikes`.
-fn without_spikes(walk: Vec<u32>, spikes: &mut Vec<Vec<u32>>) -> Vec<u32> {
-    if walk.len() <= 2 {
-        spikes.push(walk);
-        return Vec::new();
-    }
-    let mut out: Vec<u32> = Vec::with_capacity(walk.len());
-    for v in walk {
-        if out.last() == Some(&v) {
-            continue;
-        }
-        if out.len() >= 2 && out[out.len() - 2] == v {
-            spikes.extend(out.pop().map(|tip| vec![v, tip]));
-            continue;
-        }
-        out.push(v);
-    }
-    loop {
-        let n = out.len();
-        if n > 1 && out[0] == out[n - 1] {
-            out.pop();
-        } else if n > 2 && out[1] == out[n - 1] {
-            out.pop();
-            spikes.push(vec![out.remove(0), out[0]]);
-        } else if n > 2 && out[0] == out[n - 2] {
-            spikes.extend(out.pop().map(|tip| vec![out[0], tip]));
-            out.pop();
-        } else {
-            if n == 2 {
-                spikes.push(std::mem::take(&mut out));
-            }
-            return out;
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -178,10 +195,23 @@ mod tests {
 
     #[test]
     fn spikes_go() {
-        assert_eq!(without_spikes(vec![0, 1, 2, 1, 3], &mut Vec::new()), vec![0, 1, 3]);
-        assert!(without_spikes(vec![0, 1, 0, 1], &mut Vec::new()).len() < 3);
-        let mut spikes = Vec::new();
-        assert_eq!(without_spikes(vec![4, 0, 1, 3, 0], &mut spikes), vec![0, 1, 3]);
-        assert_eq!(spikes, vec![vec![4, 0]]);
+        assert_eq!(tidied(&[&[0, 1, 2, 1, 3]]), [[0, 1, 3]]);
+        assert!(tidied(&[&[0, 1, 0, 1]]).is_empty());
+        assert_eq!(tidied(&[&[4, 0, 1, 3, 0]]), [vec![0, 1, 3], vec![0, 4]]);
+    }
+
+    #[test]
+    fn loops_part_where_they_touch_themselves_and_join_where_they_share_an_edge() {
+        // Two triangles that touch in 2; a square and a hole that has come to its edge 1-2.
+        assert_eq!(tidied(&[&[0, 1, 2, 3, 5, 2]]), [[0, 1, 2], [2, 3, 5]]);
+        assert_eq!(tidied(&[&[0, 1, 2, 3], &[4, 2, 1]]), [[0, 1, 4, 2, 3]]);
+    }
+
+    /// Loops over the corners of a square, a point inside and one above, tidied.
+    fn tidied(loops: &[&[u32]]) -> Vec<Vec<u32>> {
+        let places = [[0., 0.], [9., 0.], [9., 9.], [0., 9.], [6., 5.], [0., 18.]].map(|[x, y]| Vec3::new(x, y, 0.0));
+        let mut facet: Vec<Vec<u32>> = loops.iter().map(|l| l.to_vec()).collect();
+        tidy(&mut facet, &places);
+        facet
     }
 }

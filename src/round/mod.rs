@@ -7,7 +7,8 @@
 //! 2. Every point is rounded once, to the nearest `f64`; intersection points within 4 units in the last place of the model's size
 //!    of another vertex become that vertex, and facets that collapse go (`collapse`).
 //! 3. `facets`: every polygon is triangulated over its vertices; a polygon that is not planar to rounding (contact moved its
-//!    vertices within the tolerance) is written as its triangles.
+//!    vertices within the tolerance) is written as its triangles. Where an edge passes through a vertex of its own facet, the
+//!    vertex becomes one of the edge (`touching`).
 //! 4. The triangles are tested exactly against each other (`geom::embedding`). `regions`: volumes are joined across nested
 //!    components by exact rays, and numbered.
 //! 5. `repair`: where the test fails, the rounded triangles are cut against each other and rounded again. What fails in the end is
@@ -19,6 +20,7 @@ mod facets;
 mod freedom;
 mod regions;
 mod repair;
+mod touching;
 
 use crate::arrangement::Arrangement;
 use crate::brep::complex::{Complex, ComplexFacet, ComplexSurface, ComplexVertex, KilledFacet};
@@ -92,20 +94,26 @@ pub fn round(
     let mut complex = Complex { surfaces, markers: std::mem::take(&mut selected.markers), ..Default::default() };
     fill(&mut complex, draft, reach)?;
     regions::number(&mut complex, &selected.part_of_volume)?;
-    let mut violations = verify(&complex);
-    let mut repairs = Repairs { rounds: 0, contacts: violations.len() };
-    while !violations.is_empty() && repairs.rounds < repair::MAX_ROUNDS {
-        let Ok(draft) = repair::cut_again(&complex, reach) else { break };
-        fill(&mut complex, draft, reach)?;
-        violations = verify(&complex);
-        repairs.rounds += 1;
-    }
+    let (repairs, violations) = settle(&mut complex, reach)?;
     if !violations.is_empty() {
         return Ok(Rounded::Broken { complex, violations });
     }
     freedom::assign(&mut complex, solids);
     complex.killed = killed(&selected, arrangement);
     Ok(Rounded::Valid { complex, repairs })
+}
+
+/// Cuts the facets again until none meet where they must not; where they still do in the end.
+fn settle(complex: &mut Complex, reach: f64) -> Result<(Repairs, Vec<Violation>), Diagnostic> {
+    let mut violations = verify(complex);
+    let mut repairs = Repairs { rounds: 0, contacts: violations.len() };
+    while !violations.is_empty() && repairs.rounds < repair::MAX_ROUNDS {
+        let Ok(draft) = repair::cut_again(complex, reach) else { break };
+        fill(complex, draft, reach)?;
+        violations = verify(complex);
+        repairs.rounds += 1;
+    }
+    Ok((repairs, violations))
 }
 
 /// The selected facets; their sides are volumes.
@@ -189,3 +197,6 @@ fn killed(selected: &Selected, arrangement: &Arrangement) -> Vec<KilledFacet> {
     }
     out
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,100 @@
+//! Vertices that rounding pushed onto or through an edge of their own facet become vertices of that edge.
+//!
+//! Two segments that do not meet are nearest in an end of one of them. If the ends move by a few units in the last place and the
+//! segments meet then, one of the ends is that near to the other segment: cutting edges at near vertices undoes every crossing.
+//! It is done in all facets of the edge, so that they still close.
+
+use super::collapse::{self, Loops};
+use crate::geom::Vec3;
+use crate::geom::hash::IndexMap;
+
+/// Vertices to be put into an edge (smaller number first) with their places along it.
+type Cuts = IndexMap<[u32; 2], Vec<(f64, u32)>>;
+
+/// Cuts the edges of the `failed` facets at vertices of the same facet within twice the `reach` that each may have moved by.
+/// Yields the facets that changed, ascending.
+pub fn cut(facets: &mut Loops, failed: &[usize], points: &[Vec3], reach: f64) -> Vec<usize> {
+    let mut cuts = Cuts::default();
+    for &facet in failed {
+        find(&facets[facet], points, 2.0 * reach, &mut cuts);
+    }
+    if cuts.is_empty() {
+        return Vec::new();
+    }
+    let mut changed = Vec::new();
+    for (number, facet) in facets.iter_mut().enumerate() {
+        let is_cut = |walk: &Vec<u32>| (0..walk.len()).any(|k| cuts.contains_key(&key(walk, k)));
+        if facet.iter().any(is_cut) {
+            facet.iter_mut().for_each(|walk| *walk = with_cuts(walk, &cuts));
+            collapse::tidy(facet, points);
+            changed.push(number);
+        }
+    }
+    changed
+}
+
+/// The edge of a walk that begins at its corner `k`.
+fn key(walk: &[u32], k: usize) -> [u32; 2] {
+    let (a, b) = (walk[k], walk[(k + 1) % walk.len()]);
+    [a.min(b), a.max(b)]
+}
+
+/// Vertices of a facet that lie near its edges, between the ends.
+fn find(loops: &[Vec<u32>], points: &[Vec3], near: f64, cuts: &mut Cuts) {
+    let mut vertices = loops.concat();
+    vertices.sort_unstable();
+    vertices.dedup();
+    for edge in loops.iter().flat_map(|walk| (0..walk.len()).map(|k| key(walk, k))) {
+        let [a, b] = edge.map(|v| points[v as usize]);
+        let along = b - a;
+        for &v in vertices.iter().filter(|v| !edge.contains(v)) {
+            let t = (points[v as usize] - a).dot(&along) / along.norm_squared();
+            let is_near = (points[v as usize] - a - along * t).norm() <= near;
+            if t > 0.0 && t < 1.0 && is_near {
+                let list = cuts.entry(edge).or_default();
+                if list.iter().all(|known| known.1 != v) {
+                    list.push((t, v));
+                    list.sort_by(|p, q| p.0.total_cmp(&q.0).then(p.1.cmp(&q.1)));
+                }
+            }
+        }
+    }
+}
+
+fn with_cuts(walk: &[u32], cuts: &Cuts) -> Vec<u32> {
+    let mut out = Vec::with_capacity(walk.len() + 1);
+    for k in 0..walk.len() {
+        out.push(walk[k]);
+        let Some(inner) = cuts.get(&key(walk, k)) else { continue };
+        let inner = inner.iter().map(|c| c.1);
+        match walk[k] < walk[(k + 1) % walk.len()] {
+            true => out.extend(inner),
+            false => out.extend(inner.rev()),
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_corner_pushed_through_an_edge_cuts_it_in_both_facets() {
+        let p = |x: f64, y: f64| Vec3::new(x, y, 0.0);
+        let places = [p(0., 0.), p(4., 0.), p(4., 4.), p(2., -1e-15), p(0., 4.), p(2., -4.)];
+        let mut facets = vec![vec![vec![0, 1, 2, 3, 4]], vec![vec![1, 0, 5]]];
+        assert_eq!(cut(&mut facets, &[0], &places, 1e-15), [0, 1]);
+        assert_eq!(facets, [vec![vec![0, 3, 4], vec![3, 1, 2]], vec![vec![1, 3, 0, 5]]]);
+        assert!(cut(&mut facets, &[0, 1], &places, 1e-15).is_empty());
+    }
+
+    #[test]
+    fn a_triangle_rounded_to_a_line_goes_and_its_neighbour_gets_the_vertex() {
+        let p = |x: f64, y: f64| Vec3::new(x, y, 0.0);
+        let places = [p(0., 0.), p(4., 0.), p(2., 0.), p(2., -4.)];
+        let mut facets = vec![vec![vec![0, 1, 2]], vec![vec![1, 0, 3]]];
+        assert_eq!(cut(&mut facets, &[0], &places, 1e-15), [0, 1]);
+        assert_eq!(facets, [vec![], vec![vec![1, 2, 0, 3]]]);
+    }
+}
