@@ -219,6 +219,15 @@ fn an_askew_frustum_is_meshed() {
     assert_eq!(meshed.moved, 0.0);
 }
 
+/// The triangles of a polygon whose corners were moved are nearly coplanar; TetGen must not merge them to another volume.
+#[test]
+fn an_askew_machine_is_meshed() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/evaluated/askew_machine.ron");
+    let scene = scene::load(&path, &[], &Limits::default()).unwrap().scene;
+    let meshed = mesh(&scene, &find::find(None).unwrap()).unwrap();
+    assert!(meshed.moved <= 1e-7, "vertices were moved by {}", meshed.moved);
+}
+
 /// Remeshed at interfaces: nothing meets anything, the kernel accepts it, regions and interfaces stay, volumes nearly.
 #[test]
 fn remeshed_scenes_are_valid_when_rotated() {

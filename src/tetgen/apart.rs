@@ -9,6 +9,7 @@ use crate::geom::polygon::vector_area;
 use crate::geom::union_find::UnionFind;
 use crate::geom::{Vec3, aabb::Aabb};
 use crate::io::mesh::{MarkerNumber, Mesh};
+use crate::plc::Plc;
 use std::collections::BTreeMap;
 
 /// Facets with a smaller angle between their planes, in radians, may be merged: twice TetGen's 0.1 degrees.
@@ -21,7 +22,7 @@ const COPLANAR: f64 = 1e-12;
 pub struct Markers(BTreeMap<i64, i64>);
 
 /// The complex with markers of their own for the facets to be kept apart, and what these stand for.
-pub fn keep_apart(input: &Input) -> (Input, Markers) {
+pub fn keep_apart(input: &Input) -> (Plc, Markers) {
     let planes = planes(input);
     let mut groups = UnionFind::new(planes.len());
     let mut near = Vec::new();
@@ -33,14 +34,14 @@ pub fn keep_apart(input: &Input) -> (Input, Markers) {
         let is_on = |a: usize, b: usize| planes[a].holds(input, b, tolerance);
         if is_on(f, g) && is_on(g, f) { groups.join(f as u32, g as u32) } else { near.push([f, g]) }
     }
-    let mut result = input.clone();
+    let mut result = input.plc.clone();
     let mut markers = Markers::default();
     let first = input.plc.facets.iter().map(|f| f.marker).max().unwrap_or(0) + 1;
     let group_of: Vec<u32> = (0..planes.len() as u32).map(|f| groups.find(f)).collect();
     let mut apart: Vec<u32> = near.iter().flatten().map(|&f| group_of[f]).collect();
     apart.sort_unstable();
     apart.dedup();
-    for (facet, group) in result.plc.facets.iter_mut().zip(&group_of) {
+    for (facet, group) in result.facets.iter_mut().zip(&group_of) {
         if let Ok(k) = apart.binary_search(group) {
             markers.0.insert(first + k as i64, facet.marker);
             facet.marker = first + k as i64;
@@ -96,7 +97,7 @@ fn neighbours(input: &Input) -> Vec<[usize; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plc::{Plc, PlcFacet};
+    use crate::plc::PlcFacet;
 
     /// Three squares side by side of marker 7, the last one turned down by an angle.
     fn squares(angle: f64) -> Input {
@@ -117,7 +118,7 @@ mod tests {
     fn only_nearly_coplanar_facets_are_kept_apart() {
         let groups = |angle: f64| {
             let (marked, markers) = keep_apart(&squares(angle));
-            (marked.plc.facets.iter().map(|f| f.marker).collect::<Vec<_>>(), markers.0)
+            (marked.facets.iter().map(|f| f.marker).collect::<Vec<_>>(), markers.0)
         };
         // Coplanar ones may be merged, and what is bent by half a degree never is.
         assert_eq!(groups(0.0), (vec![7, 7, 7], BTreeMap::new()));

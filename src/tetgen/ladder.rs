@@ -91,7 +91,7 @@ impl fmt::Display for Attempt {
 pub fn mesh(input: &Input, programs: &[Program], options: &Options) -> Outcome<Meshed> {
     let mut attempts = Vec::new();
     let mut logs = Vec::new();
-    let task = Task::new(input, options);
+    let task = Task { input, options };
     for (program, place) in rungs(input, programs) {
         if matches!(place, Place::Moved(..)) && !place.is_valid(input) {
             continue;
@@ -145,30 +145,23 @@ type Judged = Result<Mesh, Vec<String>>;
 /// What all attempts share.
 struct Task<'a> {
     input: &'a Input,
-    /// The complex with the markers that TetGen gets: facets that it would merge wrongly are kept apart.
-    marked: Input,
-    markers: Markers,
     options: &'a Options,
 }
 
-impl<'a> Task<'a> {
-    fn new(input: &'a Input, options: &'a Options) -> Self {
-        let (marked, markers) = apart::keep_apart(input);
-        Self { input, marked, markers, options }
-    }
-
+impl Task<'_> {
     fn attempt(&self, program: &Program, place: &Place) -> std::io::Result<(Judged, child::Run)> {
         let folder = Folder::new()?;
-        let plc = limited(place.apply(&self.marked), self.options, place.distortion());
+        let (marked, markers) = apart::keep_apart(&place.apply(self.input));
+        let plc = limited(marked, self.options, place.distortion());
         std::fs::write(folder.path().join("m.poly"), poly::to_text(&plc, None))?;
         let stall = STALL + STALL_PER_VERTEX * plc.vertices.len() as u32;
         let limits = Limits { time: self.options.time, stall, memory: self.options.memory };
         let switches = switches(&plc, self.options, place);
         let run = child::run(&program.path, &[&switches, "m.poly"], folder.path(), &limits)?;
-        Ok((self.judge(place, &run, folder.path()), run))
+        Ok((self.judge(place, &markers, &run, folder.path()), run))
     }
 
-    fn judge(&self, place: &Place, run: &child::Run, folder: &Path) -> Judged {
+    fn judge(&self, place: &Place, markers: &Markers, run: &child::Run, folder: &Path) -> Judged {
         let input = self.input;
         let died = |why: String| Err(vec![why]);
         match run.ending {
@@ -181,7 +174,7 @@ impl<'a> Task<'a> {
             Ending::Stalled => return died(format!("endless loop, stopped after {:.0} s", run.seconds)),
         }
         let mut mesh = read::read(&folder.join("m")).map_err(|fault| vec![fault.message])?;
-        self.markers.restore(&mut mesh);
+        markers.restore(&mut mesh);
         place.restore(&input.plc, &mut mesh);
         verify::verify(&mesh, input, &place::vertices_after(place, input))?;
         mesh.regions = input.regions.iter().map(|(r, label)| (*r, label.name.clone())).collect();

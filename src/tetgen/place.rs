@@ -43,24 +43,28 @@ impl Place {
     }
 
     /// The complex under this change. Seeds and hole points go along.
-    pub fn apply(&self, input: &Input) -> Plc {
+    pub fn apply(&self, input: &Input) -> Input {
         let plc = &input.plc;
-        match *self {
-            Self::AsIs => plc.clone(),
-            Self::Turned(axes) => {
-                let mut turned = mapped(plc, &axes, &center(plc));
-                equalise(&mut turned.vertices, EQUAL * plc.size());
-                turned
-            }
-            Self::Bent(amount, seed) => mapped(plc, &bend(amount, seed), &center(plc)),
+        let mut changed = match *self {
             Self::Split => split(input, STRIP_CORNERS),
-            Self::Moved(amount, seed) => moved(input, amount * plc.size(), seed),
+            Self::Moved(..) => split(input, usize::MAX),
+            _ => input.clone(),
+        };
+        match *self {
+            Self::AsIs | Self::Split => {}
+            Self::Turned(axes) => {
+                map(&mut changed.plc, &axes, &center(plc));
+                equalise(&mut changed.plc.vertices, EQUAL * plc.size());
+            }
+            Self::Bent(amount, seed) => map(&mut changed.plc, &bend(amount, seed), &center(plc)),
+            Self::Moved(amount, seed) => shake(&mut changed.plc.vertices, amount * plc.size(), seed),
         }
+        changed
     }
 
     /// Whether the changed complex is still one, exactly.
     pub fn is_valid(&self, input: &Input) -> bool {
-        check::check(&self.apply(input), None).iter().all(|f| f.severity == Severity::Warning)
+        check::check(&self.apply(input).plc, None).iter().all(|f| f.severity == Severity::Warning)
     }
 
     /// Puts the nodes of a result back. Those that were vertices get their coordinates bit for bit, except when they were moved.
@@ -95,15 +99,12 @@ fn center(plc: &Plc) -> Vec3 {
     crate::geom::aabb::Aabb::around(&plc.vertices).center()
 }
 
-fn mapped(plc: &Plc, linear: &Matrix3<f64>, center: &Vec3) -> Plc {
-    let map = |p: &Vec3| linear * (p - center);
-    let mut result = plc.clone();
-    let seeds = result.seeds.iter_mut().map(|s| &mut s.point);
-    let facet_holes = result.facets.iter_mut().flat_map(|f| &mut f.holes);
-    for p in result.vertices.iter_mut().chain(seeds).chain(&mut result.holes).chain(facet_holes) {
-        *p = map(p);
+fn map(plc: &mut Plc, linear: &Matrix3<f64>, center: &Vec3) {
+    let seeds = plc.seeds.iter_mut().map(|s| &mut s.point);
+    let facet_holes = plc.facets.iter_mut().flat_map(|f| &mut f.holes);
+    for p in plc.vertices.iter_mut().chain(seeds).chain(&mut plc.holes).chain(facet_holes) {
+        *p = linear * (*p - center);
     }
-    result
 }
 
 /// The identity and a full matrix of entries up to `amount`: no symmetry is left, so points of a circle or sphere lie on an
@@ -114,28 +115,32 @@ fn bend(amount: f64, seed: u64) -> Matrix3<f64> {
 }
 
 /// Facets of up to so many corners as their triangles.
-fn split(input: &Input, corners: usize) -> Plc {
-    let mut plc = input.plc.clone();
-    let facets = input.plc.facets.iter().zip(&input.triangles);
-    plc.facets = facets
-        .flat_map(|(f, triangles)| {
-            if f.polygons.iter().map(Vec::len).sum::<usize>() > corners {
-                return vec![f.clone()];
+fn split(input: &Input, corners: usize) -> Input {
+    let mut result = input.clone();
+    (result.plc.facets, result.triangles, result.sides) = Default::default();
+    for ((facet, triangles), &sides) in input.plc.facets.iter().zip(&input.triangles).zip(&input.sides) {
+        let is_whole = facet.polygons.iter().map(Vec::len).sum::<usize>() > corners;
+        let mut push = |facet: PlcFacet, triangles: Vec<[u32; 3]>| {
+            result.plc.facets.push(facet);
+            result.triangles.push(triangles);
+            result.sides.push(sides);
+        };
+        if is_whole {
+            push(facet.clone(), triangles.clone());
+        } else {
+            for t in triangles {
+                push(PlcFacet { polygons: vec![t.to_vec()], holes: Vec::new(), marker: facet.marker }, vec![*t]);
             }
-            let triangle = |t: &[u32; 3]| PlcFacet { polygons: vec![t.to_vec()], holes: Vec::new(), marker: f.marker };
-            triangles.iter().map(triangle).collect()
-        })
-        .collect();
-    plc
+        }
+    }
+    result
 }
 
-/// Each vertex moved, every facet as its triangles: four corners of a polygon would not be planar any more.
-fn moved(input: &Input, distance: f64, seed: u64) -> Plc {
+/// Moves each point at random by at most a distance.
+fn shake(points: &mut [Vec3], distance: f64, seed: u64) {
     let mut random = Random(seed);
-    let mut plc = split(input, usize::MAX);
     // A cube inside the ball of that radius.
-    plc.vertices.iter_mut().for_each(|p| *p += Vec3::from_fn(|_, _| random.symmetric()) * (distance / 3f64.sqrt()));
-    plc
+    points.iter_mut().for_each(|p| *p += Vec3::from_fn(|_, _| random.symmetric()) * (distance / 3f64.sqrt()));
 }
 
 /// Makes coordinates of one axis equal that lie within `tolerance`: each takes the smallest of its cluster.
@@ -205,7 +210,7 @@ impl Random {
 /// The nodes that a change makes of the vertices, for what has to be computed over them.
 pub fn vertices_after(place: &Place, input: &Input) -> Vec<Vec3> {
     match place {
-        Place::Moved(..) => place.apply(input).vertices,
+        Place::Moved(..) => place.apply(input).plc.vertices,
         _ => input.plc.vertices.clone(),
     }
 }
