@@ -219,13 +219,24 @@ fn an_askew_frustum_is_meshed() {
     assert_eq!(meshed.moved, 0.0);
 }
 
+fn mesh_evaluated(name: &str) -> Meshed {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/evaluated/{name}.ron"));
+    let scene = scene::load(&path, &[], &Limits::default()).unwrap().scene;
+    mesh(&scene, &find::find(None).unwrap()).unwrap()
+}
+
 /// The triangles of a polygon whose corners were moved are nearly coplanar; TetGen must not merge them to another volume.
 #[test]
 fn an_askew_machine_is_meshed() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/evaluated/askew_machine.ron");
-    let scene = scene::load(&path, &[], &Limits::default()).unwrap().scene;
-    let meshed = mesh(&scene, &find::find(None).unwrap()).unwrap();
+    let meshed = mesh_evaluated("askew_machine");
     assert!(meshed.moved <= 1e-7, "vertices were moved by {}", meshed.moved);
+}
+
+/// A finished mesh whose regions have other volumes is made again in another way before anything else is changed.
+#[test]
+fn askew_magnets_are_meshed() {
+    let meshed = mesh_evaluated("askew_magnets");
+    assert_eq!(meshed.moved, 0.0);
 }
 
 /// Remeshed at interfaces: nothing meets anything, the kernel accepts it, regions and interfaces stay, volumes nearly.

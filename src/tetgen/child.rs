@@ -48,8 +48,7 @@ impl Drop for Folder {
 pub struct Limits {
     /// Longest run, by the clock.
     pub time: Duration,
-    /// Most work without reaching a phase in which long work is normal ([`is_long_work`]): processor time where the system
-    /// tells it, so that a busy machine changes nothing.
+    /// Most work without progress ([`Watch`]): processor time where the system tells it, so that a busy machine changes nothing.
     pub stall: Duration,
     /// Largest address space, in bytes.
     pub memory: u64,
@@ -81,9 +80,39 @@ pub struct Run {
     pub seconds: f64,
 }
 
-/// TetGen's endless loops happen while it recovers the given facets; refinement and what follows may rightly take long.
-fn is_long_work(log: &str) -> bool {
-    log.contains("Refining mesh") || log.contains("Optimizing mesh") || log.contains("Writing ")
+/// Tells running in circles from long work.
+///
+/// TetGen 1.5 has two endless loops. One is in the recovery of the given facets, where what is right takes no time. The other is in
+/// the refinement, in flips that lead back to where they came from; that phase may rightly take long, but then it inserts points,
+/// and the memory grows.
+struct Watch {
+    stall: Duration,
+    /// The most memory so far, and after how much work it was reached.
+    memory: u64,
+    grown: Duration,
+}
+
+/// Part of all work that may pass without growth: the larger the mesh, the more bad tetrahedra that cannot be split are tried in a row.
+const QUIET_SHARE: u32 = 4;
+
+impl Watch {
+    /// Whether a run that did so much work and holds so much memory, if known, runs in circles; `log` gives what it said.
+    fn is_in_circles(&mut self, work: Duration, memory: Option<u64>, log: impl Fn() -> String) -> bool {
+        if memory.is_none_or(|m| m > self.memory) {
+            self.memory = memory.unwrap_or(0);
+            self.grown = work;
+        }
+        if work < self.stall {
+            return false;
+        }
+        let quiet = work.saturating_sub(self.grown);
+        let log = log();
+        match ["Optimizing mesh", "Writing ", "Refining mesh"].iter().position(|phase| log.contains(phase)) {
+            Some(0 | 1) => false,
+            Some(_) => quiet >= self.stall.max(work / QUIET_SHARE),
+            None => true,
+        }
+    }
 }
 
 /// Runs the program in the folder.
@@ -93,12 +122,12 @@ fn is_long_work(log: &str) -> bool {
 pub fn run(program: &Path, arguments: &[&str], folder: &Path, limits: &Limits) -> io::Result<Run> {
     let log_path = folder.join("log.txt");
     let log = File::create(&log_path)?;
-    let mut command = limited(program, limits.memory);
+    let mut command = limited(program, limits);
     command.args(arguments).current_dir(folder).stdin(Stdio::null()).stdout(log.try_clone()?).stderr(log);
     let start = Instant::now();
     let mut child = command.spawn()?;
     let mut pause = Duration::from_millis(1);
-    let mut stall = limits.stall;
+    let mut watch = Watch { stall: limits.stall, memory: 0, grown: Duration::ZERO };
     let read = || fs::read(&log_path).map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).unwrap_or_default();
     let ending = loop {
         if let Some(status) = child.try_wait()? {
@@ -109,12 +138,9 @@ pub fn run(program: &Path, arguments: &[&str], folder: &Path, limits: &Limits) -
             kill(&mut child);
             break Ending::OutOfTime;
         }
-        if age >= stall && processor_time(&child).unwrap_or(age) >= stall {
-            if !is_long_work(&read()) {
-                kill(&mut child);
-                break Ending::Stalled;
-            }
-            stall = limits.time;
+        if watch.is_in_circles(processor_time(&child).unwrap_or(age), resident_memory(&child), read) {
+            kill(&mut child);
+            break Ending::Stalled;
         }
         std::thread::sleep(pause);
         pause = (pause * 2).min(Duration::from_millis(50));
@@ -122,21 +148,24 @@ pub fn run(program: &Path, arguments: &[&str], folder: &Path, limits: &Limits) -
     Ok(Run { ending, log: read(), seconds: start.elapsed().as_secs_f64() })
 }
 
-/// The program under a memory limit, in a process group of its own, writing line by line: what a program holds back in its
-/// buffer is lost when it aborts.
+/// The program under its limits, in a process group of its own, writing line by line: what a program holds back in its buffer is
+/// lost when it aborts. It ends with its parent, however that ends, where there is `setpriv` (Linux); elsewhere at the latest after
+/// as much processor time as it has time.
 #[cfg(unix)]
-fn limited(program: &Path, memory: u64) -> Command {
+fn limited(program: &Path, limits: &Limits) -> Command {
     use std::os::unix::process::CommandExt;
-    const SCRIPT: &str = r#"ulimit -v "$1" 2>/dev/null; shift
-if command -v stdbuf >/dev/null 2>&1; then exec stdbuf -oL "$@"; fi
+    const SCRIPT: &str = r#"ulimit -v "$1" 2>/dev/null; ulimit -t "$2" 2>/dev/null; shift 2
+if command -v stdbuf >/dev/null 2>&1; then set -- stdbuf -oL "$@"; fi
+if setpriv --pdeathsig KILL true 2>/dev/null; then set -- setpriv --pdeathsig KILL "$@"; fi
 exec "$@""#;
     let mut command = Command::new("/bin/sh");
-    command.args(["-c", SCRIPT, "sh", &(memory / 1024).to_string()]).arg(program).process_group(0);
+    let [memory, time] = [limits.memory / 1024, limits.time.as_secs() + 1].map(|n| n.to_string());
+    command.args(["-c", SCRIPT, "sh", &memory, &time]).arg(program).process_group(0);
     command
 }
 
 #[cfg(not(unix))]
-fn limited(program: &Path, _memory: u64) -> Command {
+fn limited(program: &Path, _limits: &Limits) -> Command {
     Command::new(program)
 }
 
@@ -158,6 +187,11 @@ fn processor_time(child: &Child) -> Option<Duration> {
     // The name, in parentheses, may hold anything; user and system time are the 12th and 13th fields after it.
     let ticks: Vec<u64> = stat.rsplit_once(')')?.1.split_whitespace().skip(11).take(2).filter_map(|w| w.parse().ok()).collect();
     (ticks.len() == 2).then(|| Duration::from_millis(10 * ticks.iter().sum::<u64>()))
+}
+
+/// Memory that a running child holds, in pages, from Linux' /proc.
+fn resident_memory(child: &Child) -> Option<u64> {
+    fs::read_to_string(format!("/proc/{}/statm", child.id())).ok()?.split_whitespace().nth(1)?.parse().ok()
 }
 
 fn ending_of(status: ExitStatus) -> Ending {
@@ -192,9 +226,44 @@ mod tests {
 
     #[test]
     fn long_work_is_not_a_stall_and_messages_are_kept() {
-        let run = sh("echo Refining mesh...; echo oops >&2; sleep 0.4; exit 1", 9.0, 0.2);
+        let run =
+            sh("echo Optimizing mesh...; echo oops >&2; n=0; while [ $n -lt 300000 ]; do n=$((n+1)); done; exit 1", 9.0, 0.1);
         assert_eq!(run.ending, Ending::Code(1));
-        assert!(run.log.contains("Refining") && run.log.contains("oops"));
+        assert!(run.log.contains("Optimizing") && run.log.contains("oops"));
+    }
+
+    #[test]
+    fn refinement_may_take_long_as_long_as_memory_grows() {
+        let mut watch = Watch { stall: Duration::from_secs(5), memory: 0, grown: Duration::ZERO };
+        let mut is_in_circles =
+            |work, memory, said: &str| watch.is_in_circles(Duration::from_secs(work), Some(memory), || said.to_string());
+        assert!(!is_in_circles(4, 100, "Delaunizing vertices"));
+        assert!(!is_in_circles(90, 200, "Refining mesh"));
+        // A quarter of 110 s may pass without growth.
+        assert!(!is_in_circles(110, 200, "Refining mesh"));
+        assert!(is_in_circles(130, 200, "Refining mesh"));
+        assert!(!is_in_circles(130, 201, "Refining mesh"));
+        assert!(!is_in_circles(900, 201, "Refining mesh... Optimizing mesh"));
+        assert!(is_in_circles(6, 300, "Recovering boundaries"));
+    }
+
+    #[test]
+    fn a_child_does_not_outlive_its_parent() {
+        let has_setpriv = Command::new("setpriv").args(["--pdeathsig", "KILL", "true"]).status().is_ok_and(|s| s.success());
+        let limits = Limits { time: Duration::from_secs(3), stall: Duration::from_secs(3), memory: 4 << 30 };
+        // An endless loop whose parent, a thread, ends once the loop has begun.
+        let parent = std::thread::spawn(move || {
+            let mut command = limited(Path::new("/bin/sh"), &limits);
+            let mut child = command.args(["-c", "echo; while :; do :; done"]).stdout(Stdio::piped()).spawn().unwrap();
+            io::Read::read_exact(child.stdout.as_mut().unwrap(), &mut [0]).unwrap();
+            child
+        });
+        let mut child = parent.join().unwrap();
+        let start = Instant::now();
+        let status = child.wait().unwrap();
+        assert!(!status.success());
+        // Else the limit of processor time holds.
+        assert!(!has_setpriv || start.elapsed() < Duration::from_secs(2), "{:?}", start.elapsed());
     }
 
     #[test]

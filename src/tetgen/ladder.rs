@@ -44,6 +44,12 @@ const MOVES: [(f64, u64); 5] = [(1e-9, 1), (3e-9, 2), (1e-8, 3), (1e-7, 4), (1e-
 const STALL: Duration = Duration::from_secs(5);
 const STALL_PER_VERTEX: Duration = Duration::from_millis(2);
 
+/// Kinds of improvements that TetGen may make in the end, as a switch, in the order in which they are tried.
+///
+/// By default it inserts points against slivers too. Version 1.5 then at times puts a point of a facet beside it: the facet's triangles
+/// are no faces of the mesh any more, and two regions have other volumes. Flips and moves alone (`-O2/3`) do not.
+const IMPROVEMENTS: [&str; 2] = ["", "O2/3"];
+
 /// A volume mesh that counts, and how it came about.
 #[derive(Clone, Debug)]
 pub struct Meshed {
@@ -64,6 +70,8 @@ pub struct Meshed {
 pub struct Attempt {
     /// What was done to the complex.
     pub place: Place,
+    /// Further switches: one of those that restrict what TetGen does in the end, or none.
+    pub improvements: &'static str,
     /// Version of the program.
     pub version: String,
     /// What came of it.
@@ -80,7 +88,8 @@ impl fmt::Display for Attempt {
             Place::Bent(amount, _) => write!(f, "bent by {amount:e} and back"),
             Place::Split => write!(f, "strips as triangles, no facets merged"),
             Place::Moved(amount, _) => write!(f, "vertices moved by {amount:e} of the size"),
-        }
+        }?;
+        if self.improvements.is_empty() { Ok(()) } else { write!(f, ", no points against slivers") }
     }
 }
 
@@ -96,24 +105,29 @@ pub fn mesh(input: &Input, programs: &[Program], options: &Options) -> Outcome<M
         if matches!(place, Place::Moved(..)) && !place.is_valid(input) {
             continue;
         }
-        let (result, run) = match task.attempt(program, &place) {
-            Ok(done) => done,
-            Err(e) => return Err(vec![Diagnostic::error("no-tetgen", format!("{}: {e}", program.path.display()))]),
-        };
-        let verdict = match &result {
-            Ok(_) => "good".to_string(),
-            Err(faults) => faults.first().cloned().unwrap_or_default(),
-        };
-        let version = program.version.clone();
-        attempts.push(Attempt { place: place.clone(), version, verdict, seconds: run.seconds });
-        if let Ok(mesh) = result {
-            let moved = if let Place::Moved(amount, _) = place { amount } else { 0.0 };
-            let volumes = input.volumes(&place::vertices_after(&place, input));
-            return Ok(Meshed { mesh, program: program.clone(), attempts, volumes, moved });
-        }
-        logs.push(run.log);
-        if run.ending == Ending::OutOfTime {
-            return Err(vec![too_slow(options)]);
+        for improvements in IMPROVEMENTS {
+            let (result, run) = match task.attempt(program, &place, improvements) {
+                Ok(done) => done,
+                Err(e) => return Err(vec![Diagnostic::error("no-tetgen", format!("{}: {e}", program.path.display()))]),
+            };
+            let verdict = match &result {
+                Ok(_) => "good".to_string(),
+                Err(faults) => faults.first().cloned().unwrap_or_default(),
+            };
+            let (version, seconds) = (program.version.clone(), run.seconds);
+            attempts.push(Attempt { place: place.clone(), improvements, version, verdict, seconds });
+            if let Ok(mesh) = result {
+                let moved = if let Place::Moved(amount, _) = place { amount } else { 0.0 };
+                let volumes = input.volumes(&place::vertices_after(&place, input));
+                return Ok(Meshed { mesh, program: program.clone(), attempts, volumes, moved });
+            }
+            logs.push(run.log);
+            match run.ending {
+                Ending::OutOfTime => return Err(vec![too_slow(options)]),
+                // Only what became a mesh may become a better one.
+                Ending::Clean => {}
+                _ => break,
+            }
         }
     }
     Err(explain::explain(input, programs, options, &attempts, &logs))
@@ -149,14 +163,14 @@ struct Task<'a> {
 }
 
 impl Task<'_> {
-    fn attempt(&self, program: &Program, place: &Place) -> std::io::Result<(Judged, child::Run)> {
+    fn attempt(&self, program: &Program, place: &Place, improvements: &str) -> std::io::Result<(Judged, child::Run)> {
         let folder = Folder::new()?;
         let (marked, markers) = apart::keep_apart(&place.apply(self.input));
         let plc = limited(marked, self.options, place.distortion());
         std::fs::write(folder.path().join("m.poly"), poly::to_text(&plc, None))?;
         let stall = STALL + STALL_PER_VERTEX * plc.vertices.len() as u32;
         let limits = Limits { time: self.options.time, stall, memory: self.options.memory };
-        let switches = switches(&plc, self.options, place);
+        let switches = switches(&plc, self.options, place) + improvements;
         let run = child::run(&program.path, &[&switches, "m.poly"], folder.path(), &limits)?;
         Ok((self.judge(place, &markers, &run, folder.path()), run))
     }

@@ -17,6 +17,8 @@
 //! *Bent*: under a linear map that differs from the identity by 1e-4, facets stay planar and straight edges straight, but no four
 //! vertices are cocircular any more. In both the vertices are put back afterwards, bit for bit. (24-gon and 48-gon prisms and
 //! coaxial rings in 8 random rotations each: 5 of 24 as they are, 22 of 24 under a map of 1e-5, 24 of 24 under 1e-4.)
+//!
+//! Where it ends well, the mesh may still be wrong: see [`apart`] and, for points of facets that leave their facet, [`ladder`].
 
 pub mod apart;
 pub mod child;
