@@ -4,6 +4,7 @@ use super::graph::{Along, Curve, Graph, Mesh, StringPiece};
 use super::point::{Points, Source};
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
+use crate::geom::predicates::orient3d;
 use rayon::prelude::*;
 use std::cmp::Ordering;
 
@@ -119,14 +120,16 @@ fn cross(mesh: &Mesh, graph: &Graph, points: &Points, t: u32, s: StringPiece, r:
             points.orient2d(line.ends[0], line.ends[1], p, projection)
         }
     };
-    let [c, d] = r.ends.map(|p| side(s, p));
-    if c * d > 0 {
-        return;
-    }
-    let [a, b] = s.ends.map(|p| side(r, p));
-    if a * b > 0 {
-        return;
-    }
+    let sides = || {
+        // All on one line: exact signs of that cost most.
+        if are_of_one_plane(mesh, graph, t, s.curve, r.curve) {
+            return Some([[0; 2]; 2]);
+        }
+        let ends = r.ends.map(|p| side(s, p));
+        let others = || s.ends.map(|p| side(r, p));
+        (ends[0] * ends[1] <= 0).then(|| [others(), ends]).filter(|[[a, b], _]| a * b <= 0)
+    };
+    let Some([[a, b], [c, d]]) = sides() else { return };
     if a * b < 0 && c * d < 0 {
         out.push(Cut::New([s.curve, r.curve], crossing(mesh, graph, t, s.curve, r.curve)));
         return;
@@ -141,13 +144,28 @@ fn cross(mesh: &Mesh, graph: &Graph, points: &Points, t: u32, s: StringPiece, r:
     }
 }
 
+/// The triangle that crosses triangle `t` along a segment.
+fn other(graph: &Graph, segment: u32, t: u32) -> u32 {
+    let [a, b] = graph.segments[segment as usize].triangles;
+    if a == t { b } else { a }
+}
+
+/// Whether two strings on triangle `t` are where triangles of one cell, exactly in one plane, cross it.
+fn are_of_one_plane(mesh: &Mesh, graph: &Graph, t: u32, s: Curve, r: Curve) -> bool {
+    let (Curve::Segment(s), Curve::Segment(r)) = (s, r) else { return false };
+    let [u, v] = [s, r].map(|segment| other(graph, segment, t));
+    let cells = &mesh.input.cell_of_triangle;
+    let [mine, yours] = [u, v].map(|t| mesh.triangles[t as usize]);
+    let at = |p: u32| &mesh.input.points[p as usize];
+    let [a, b, c] = mine.map(at);
+    let is_on = |p: u32| mine.contains(&p) || orient3d(a, b, c, at(p)) == 0;
+    cells[u as usize] == cells[v as usize] && yours.into_iter().all(is_on)
+}
+
 /// How the point in which two strings on triangle `t` cross is made.
 fn crossing(mesh: &Mesh, graph: &Graph, t: u32, s: Curve, r: Curve) -> Source {
     let plane = |t: u32| mesh.triangles[t as usize];
-    let other = |segment: u32| {
-        let [a, b] = graph.segments[segment as usize].triangles;
-        if a == t { b } else { a }
-    };
+    let other = |segment: u32| other(graph, segment, t);
     match (s, r) {
         (Curve::Segment(s), Curve::Segment(r)) => {
             let mut planes = [t, other(s), other(r)];

@@ -25,6 +25,8 @@ pub(super) struct Outline {
     sides: Vec<[u32; 2]>,
     /// Of a long outline the points, sorted.
     corners: Vec<u32>,
+    /// Of a long outline the sides as they came, seen along the projection.
+    figure: Vec<[[f64; 2]; 2]>,
 }
 
 /// Points from which on an outline is long: most facets have three or four, and need no more than their loops.
@@ -42,25 +44,17 @@ impl Outline {
             Some(loops) => (loops, Some(corners)),
             None => (corners, None),
         };
-        let (mut edges, mut sorted) = (Vec::new(), Vec::new());
+        let projection = Projection::along(&normal);
+        let (mut edges, mut sorted, mut figure) = (Vec::new(), Vec::new(), Vec::new());
         if loops.iter().map(Vec::len).sum::<usize>() >= LONG {
             edges.extend(sides(&loops).map(|[a, b]| [a.min(b), a.max(b)]));
             edges.sort_unstable();
             sorted.extend(loops.iter().flatten().copied());
             sorted.sort_unstable();
+            let frame = frame.as_ref().unwrap_or(&loops);
+            figure.extend(sides(frame).map(|side| side.map(|v| projection.apply(&points[v as usize]))));
         }
-        Self {
-            facet,
-            normal,
-            origin,
-            area,
-            projection: Projection::along(&normal),
-            bounds,
-            loops,
-            frame,
-            sides: edges,
-            corners: sorted,
-        }
+        Self { facet, normal, origin, area, projection, bounds, loops, frame, sides: edges, corners: sorted, figure }
     }
     /// Signed distance from the plane.
     pub fn height(&self, p: &Vec3) -> f64 {
@@ -90,20 +84,19 @@ impl Outline {
     }
     /// Whether a place that is not on the outline lies inside it, seen along the projection.
     pub fn encloses(&self, p: &Vec3, points: &[Vec3]) -> bool {
-        let flat = |v: u32| self.projection.apply(&points[v as usize]);
         let q = self.projection.apply(p);
         let [lo, hi] = [&self.bounds.lo, &self.bounds.hi].map(|c| self.projection.apply(c));
         if (0..2).any(|k| q[k] < lo[k] || q[k] > hi[k]) {
             return false;
         }
-        let mut is_inside = false;
-        for [a, b] in sides(self.frame()) {
-            let (a, b) = (flat(a), flat(b));
-            if (a[1] > q[1]) != (b[1] > q[1]) && (orient2d(a, b, q) > 0) == (b[1] > a[1]) {
-                is_inside = !is_inside;
-            }
-        }
-        is_inside
+        // Sides that a ray from the place along the first axis crosses.
+        let is_crossed = |[a, b]: [[f64; 2]; 2]| (a[1] > q[1]) != (b[1] > q[1]) && (orient2d(a, b, q) > 0) == (b[1] > a[1]);
+        let flat = |v: u32| self.projection.apply(&points[v as usize]);
+        let crossed = match &self.figure[..] {
+            [] => sides(self.frame()).filter(|side| is_crossed(side.map(flat))).count(),
+            figure => figure.iter().filter(|side| is_crossed(**side)).count(),
+        };
+        crossed % 2 == 1
     }
     /// Whether it has one loop that turns left at every corner, or not at all.
     pub fn is_convex(&self, points: &[Vec3]) -> bool {

@@ -8,6 +8,7 @@ use crate::geom::aabb::Aabb;
 use crate::geom::bvh::Bvh;
 use crate::geom::embedding::projection_of;
 use crate::geom::predicates::{orient2d, orient3d};
+use std::cell::Cell;
 
 /// Directions tried in turn: no two components in a simple ratio, so that designed geometry rarely lies along them.
 const DIRECTIONS: [[f64; 3]; 8] = [
@@ -155,19 +156,20 @@ impl<'a> Caster<'a> {
     /// Distance, in units of `direction`, to the nearest triangle in front of `from` other than `skipped`, in floats: where the
     /// ray grazes an edge, it may miss it.
     pub fn distance_to_next(&self, from: &Vec3, direction: &Vec3, skipped: u32) -> Option<f64> {
-        let end = from + direction * (self.reach_from(from) / direction.norm());
-        let mut best: Option<f64> = None;
+        let beyond_all = self.reach_from(from) / direction.norm();
+        let best = Cell::new(beyond_all);
+        // What lies behind the nearest triangle so far need not be looked at.
         self.tree.search(
-            |b| segment_meets_box(from, &end, b),
+            |b| segment_meets_box(from, &(from + direction * best.get()), b),
             |t| {
                 if t != skipped
                     && let Some(d) = ray_triangle(from, direction, self.corners(t))
                 {
-                    best = Some(best.map_or(d, |b| b.min(d)));
+                    best.set(best.get().min(d));
                 }
             },
         );
-        best
+        (best.get() < beyond_all).then(|| best.get())
     }
 }
 
