@@ -32,6 +32,8 @@ pub(super) fn assemble(body: &Body, mut sheets: Sheets, tolerance: f64, names: N
     };
     let drafts: Vec<_> =
         if starts.len() >= PARALLEL_FROM { starts.par_iter().map(draft).collect() } else { starts.iter().map(draft).collect() };
+    let is_shared = shared_points(body, &sheets);
+    let can_coincide = |d: &Draft| d.loops.iter().flatten().all(|&v| is_shared[v as usize]);
     let mut errors = Tally::default();
     let mut all =
         Collector { last: IndexMap::with_capacity_and_hasher(starts.len(), Default::default()), ..Default::default() };
@@ -43,9 +45,7 @@ pub(super) fn assemble(body: &Body, mut sheets: Sheets, tolerance: f64, names: N
             whole.loops = std::mem::take(&mut sheets.outlines[sheet.reference as usize].loops);
         }
         match found {
-            // What has no contact cannot coincide with anything.
-            Ok(list) if sheets.slot[start as usize] == u32::MAX => all.drafts.extend(list),
-            Ok(list) => list.into_iter().for_each(|d| all.add(d, body)),
+            Ok(list) => list.into_iter().for_each(|d| if can_coincide(&d) { all.add(d, body) } else { all.drafts.push(d) }),
             Err((facet, tangled)) => errors.add(body.leaf(facet), || unresolved(body, facet, tangled, names)),
         }
     }
@@ -55,6 +55,25 @@ pub(super) fn assemble(body: &Body, mut sheets: Sheets, tolerance: f64, names: N
     // Contact moves a vertex within the coarser tolerance: then also towards leaves for which a finer one holds.
     let is_uniform = body.tolerances.windows(2).all(|w| w[0] == w[1]);
     Ok(finish(body, all.drafts, tolerance, |facet| !is_uniform || sheets.slot[facet as usize] != u32::MAX))
+}
+
+/// For every point, whether facets of several leaves may have it.
+fn shared_points(body: &Body, sheets: &Sheets) -> Vec<bool> {
+    let mut is_shared = vec![false; body.points.len()];
+    let mut leaf_at = vec![u32::MAX; body.points.len()];
+    for outline in &sheets.outlines {
+        let leaf = body.leaf_of_facet[outline.facet as usize];
+        for v in outline.corners() {
+            let before = std::mem::replace(&mut leaf_at[v as usize], leaf);
+            is_shared[v as usize] |= before != u32::MAX && before != leaf;
+        }
+    }
+    // What lies inside a facet belongs to another leaf.
+    for sheet in &sheets.sheets {
+        let inside = sheet.segments.iter().chain(&sheet.chords).flatten().chain(&sheet.lone);
+        inside.for_each(|&v| is_shared[v as usize] = true);
+    }
+    is_shared
 }
 
 fn unresolved(body: &Body, facet: u32, tangled: Tangled, names: Names) -> Diagnostic {
