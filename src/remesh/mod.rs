@@ -36,6 +36,7 @@
 //! ```
 
 mod bands;
+mod bends;
 mod creases;
 mod features;
 mod operators;
@@ -187,6 +188,7 @@ impl Workpiece {
         self.divide(&treated);
         self.find_features();
         self.run(&limits);
+        self.clear_bends();
     }
 
     /// The facets to be remeshed.

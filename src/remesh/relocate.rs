@@ -158,7 +158,7 @@ impl Workpiece {
         best.1.is_better().then_some(best)
     }
 
-    fn directions(&self, vertex: VertexId, here: &Vec3) -> Option<Vec<Vec3>> {
+    pub fn directions(&self, vertex: VertexId, here: &Vec3) -> Option<Vec<Vec3>> {
         match self.place(vertex) {
             Place::Corner => None,
             Place::Curve(c) => {

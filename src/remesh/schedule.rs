@@ -116,7 +116,7 @@ impl Workpiece {
     }
 
     /// All edges of some facets.
-    fn edges_of(&self, facets: &[FacetId]) -> Vec<EdgeId> {
+    pub fn edges_of(&self, facets: &[FacetId]) -> Vec<EdgeId> {
         let topology = &self.brep.topology;
         let live = facets.iter().filter(|&&f| topology.has_facet(f) && self.is_treated(f));
         live.flat_map(|&f| topology.fins_of_facet(f)).filter_map(|fin| topology.edge_of(fin)).collect()
