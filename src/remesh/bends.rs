@@ -5,7 +5,7 @@
 //! strip's plane. A slide by a hundredth of the edge length takes it out.
 
 use super::operators::Effect;
-use super::workpiece::Workpiece;
+use super::workpiece::{Place, Workpiece};
 use crate::brep::store::EdgeId;
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
@@ -14,9 +14,11 @@ use crate::ids::{FacetId, VertexId};
 /// Sine of the angle between planes below which TetGen might merge facets: 0.12 degrees.
 const MERGED_SINE: f64 = 2.1e-3;
 /// Facets are in one plane if no corner is farther off than this fraction of the size: merging them is harmless.
-const COPLANAR: f64 = 1e-14;
+const COPLANAR: f64 = 1e-13;
 /// Lengths of slides that are tried, in shortest edges at the vertex.
 const SLIDES: [f64; 6] = [0.005, 0.01, 0.02, 0.04, 0.08, 0.16];
+/// Newton steps to a plane along a curve; they start at a hundredth of the distance.
+const FOOT_STEPS: usize = 4;
 /// How often all edges are looked at; a slide may bring another edge into trouble.
 const PASSES: usize = 4;
 
@@ -62,30 +64,37 @@ impl Workpiece {
         area.try_normalize(0.0).unwrap_or_else(Vec3::zeros)
     }
 
-    /// The slide of a vertex of the two facets that leaves the fewest such edges and, of these, the best angles.
+    /// The move of a vertex of the two facets that leaves the fewest such edges and, of these, the best angles: into the plane of
+    /// the other facet if possible, for TetGen needs fewer tetrahedra the fewer edges it has to keep.
     fn clear_bend(&mut self, edge: EdgeId, flat: f64) {
-        let facets: Vec<FacetId> = self.brep.topology.facets_around(edge).filter(|&f| self.is_treated(f)).collect();
-        let mut vertices: Vec<VertexId> = facets.iter().filter_map(|&f| self.corners(f)).flatten().collect();
+        let mut vertices: Vec<VertexId> =
+            self.brep.topology.facets_around(edge).filter_map(|f| self.corners(f)).flatten().collect();
         vertices.sort_unstable();
         vertices.dedup();
-        let mut best: Option<((isize, f64), VertexId, Vec3)> = None;
+        let mut best: Option<((bool, std::cmp::Reverse<usize>, f64), VertexId, Vec3)> = None;
         for vertex in vertices {
             let star = self.star(vertex);
             let before = self.worst_at(vertex, &star);
             let blurred = self.blurred_around(&star, flat);
-            for to in self.slides(vertex) {
-                let Some(effect) = self.plan_move(vertex, &star, before, &to, 1.0).filter(Effect::is_legal) else { continue };
+            let feet = self.feet(vertex, edge).into_iter().map(|to| (false, to));
+            for (is_slide, to) in feet.chain(self.slides(vertex).into_iter().map(|to| (true, to))) {
+                let Some(Effect { after, .. }) = self.plan_move(vertex, &star, before, &to, 1.0) else { continue };
+                if after.is_flipped || after.excess > before.excess.max(1.0) * self.bound.slack() {
+                    continue;
+                }
                 let from = std::mem::replace(&mut self.brep.vertices[vertex].point, to);
-                let gain = blurred as isize - self.blurred_around(&star, flat) as isize;
+                let left = self.blurred_around(&star, flat);
                 self.brep.vertices[vertex].point = from;
-                let rank = (-gain, effect.after.cosine);
-                if gain > 0 && best.as_ref().is_none_or(|b| rank < b.0) {
+                let rank = (is_slide, std::cmp::Reverse(blurred.saturating_sub(left)), after.cosine);
+                if left < blurred && best.as_ref().is_none_or(|(b, ..)| rank < *b) {
                     best = Some((rank, vertex, to));
                 }
             }
         }
         if let Some((_, vertex, to)) = best {
             self.relocate(vertex, to);
+        } else {
+            eprintln!("STUCK {edge:?}");
         }
     }
 
@@ -94,6 +103,28 @@ impl Workpiece {
         edges.sort_unstable();
         edges.dedup();
         edges.into_iter().filter(|&e| self.is_blurred(e, flat)).count()
+    }
+
+    /// Places of a vertex in the planes of those facets at an edge that it is not a corner of: the feet, or, on a curve, where the
+    /// curve passes through.
+    fn feet(&self, vertex: VertexId, edge: EdgeId) -> Vec<Vec3> {
+        let here = self.point(vertex);
+        let start = self.point(self.brep.topology.ends(edge)[0]);
+        let others = self.brep.topology.facets_around(edge).filter(|&f| self.corners(f).is_none_or(|t| !t.contains(&vertex)));
+        let normals = others.filter(|_| !self.brep.topology.ends(edge).contains(&vertex)).map(|f| self.normal(f));
+        normals.filter_map(|n| self.foot_in_plane(vertex, &here, &start, &n)).collect()
+    }
+
+    fn foot_in_plane(&self, vertex: VertexId, here: &Vec3, origin: &Vec3, normal: &Vec3) -> Option<Vec3> {
+        let height = |p: &Vec3| normal.dot(&(p - origin));
+        let Place::Curve(curve) = self.place(vertex) else { return Some(here - normal * height(here)) };
+        let mut at = *here;
+        for _ in 0..FOOT_STEPS {
+            let tangent = self.curves[curve].closest(&at)?.tangent;
+            let rise = tangent.dot(normal);
+            at = self.home(vertex, &(at - tangent * (height(&at) / rise)));
+        }
+        at.iter().all(|x| x.is_finite()).then_some(at)
     }
 
     /// Places near a vertex on its curve or surface.

@@ -34,6 +34,9 @@ const EASE: f64 = 1.5;
 /// The default bound follows the curvature (equation 4.1) within this factor of its mean.
 const BOUND_RANGE: f64 = 4.0;
 
+/// A slide by a few hundredths of an edge changes its deviation by this factor at most.
+const SLACK: f64 = 1.1;
+
 /// The allowed deviation.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Bound {
@@ -63,6 +66,14 @@ impl Bound {
         match *self {
             Self::Fixed(d) => d,
             Self::ByCurvature { scale, range: [low, high] } => (scale / curvature.abs()).clamp(low, high),
+        }
+    }
+
+    /// How far it may be passed where otherwise facets would be merged: not at all if the user has set it.
+    pub fn slack(&self) -> f64 {
+        match self {
+            Self::Fixed(_) => 1.0,
+            Self::ByCurvature { .. } => SLACK,
         }
     }
 
