@@ -7,21 +7,23 @@
 
 use super::operators::Effect;
 use super::quality::cosine_of_degrees;
+use super::turns_straight;
 use super::workpiece::{Measure, Place, Workpiece};
-use crate::brep::store::EdgeId;
+use crate::brep::store::{EdgeId, FinId};
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
-use crate::ids::{FacetId, VertexId};
+use crate::ids::{FacetId, Id, VertexId};
+use crate::round::PLANAR_ULPS;
 use std::cmp::Reverse;
 
 /// Sine of the angle between planes below which TetGen might merge facets: 0.12 degrees.
 const MERGED_SINE: f64 = 2.1e-3;
-/// Sine below which facets are brought into one plane where that costs no shape (half a degree).
-const NEAR_SINE: f64 = 8e-3;
+/// Sine below which facets are brought into one plane where that costs no shape (1.7 degrees).
+const NEAR_SINE: f64 = 0.03;
 /// Facets are in one plane if no corner is farther off than this fraction of the size.
 const COPLANAR: f64 = 1e-13;
 /// Smallest angle, in degrees, that bringing facets into one plane may leave.
-const FLAT_KEEPS: f64 = 36.0;
+const FLAT_KEEPS: f64 = 40.0;
 /// Lengths of slides that are tried, in shortest edges at the vertex.
 const SLIDES: [f64; 6] = [0.005, 0.01, 0.02, 0.04, 0.08, 0.16];
 /// Newton steps to a plane along a curve; they start at a hundredth of the distance.
@@ -46,9 +48,8 @@ type Rank = (bool, Reverse<usize>, f64);
 impl Workpiece {
     /// Moves vertices until no two neighbouring facets are almost, but not quite, in one plane, as far as that is legal.
     pub fn clear_bends(&mut self) {
-        let flat = COPLANAR * Aabb::around(self.brep.vertices.iter().map(|v| &v.point)).diagonal();
-        let near = std::env::var("SN").ok().map_or(NEAR_SINE, |v| v.parse().unwrap());
-        for (sine, is_forced) in [(near, false), (MERGED_SINE, true)] {
+        let flat = COPLANAR * self.extent();
+        for (sine, is_forced) in [(NEAR_SINE, false), (MERGED_SINE, true)] {
             let aim = Aim { sine, flat, is_forced };
             for _ in 0..PASSES {
                 let weak: Vec<EdgeId> = self.active_edges().into_iter().filter(|&e| self.is_weak(e, aim)).collect();
@@ -58,6 +59,47 @@ impl Workpiece {
                 }
             }
         }
+    }
+
+    /// Makes polygons of neighbouring facets in one plane, but none with a corner that is straight but for rounding: TetGen 1.5
+    /// dies of these; it merges the facets itself.
+    pub fn merge_flat(&mut self) {
+        let flat = PLANAR_ULPS * f64::EPSILON * self.extent();
+        for edge in self.active_edges() {
+            let facets: Vec<FacetId> = self.brep.topology.facets_around(edge).collect();
+            if self.are_in_one_plane(&facets, flat)
+                && !self.leaves_straight_corner(edge)
+                && let Some(merged) = self.brep.merge_facets(edge)
+            {
+                self.is_treated[merged.index()] = false;
+            }
+        }
+    }
+
+    /// Whether all corners of some facets lie within `flat` of one plane.
+    fn are_in_one_plane(&self, facets: &[FacetId], flat: f64) -> bool {
+        let normal = facets.iter().map(|&f| self.area(f)).sum::<Vec3>().normalize();
+        let fins = facets.iter().flat_map(|&f| self.brep.topology.fins_of_facet(f));
+        let heights = fins.flat_map(|fin| self.brep.topology.fin_ends(fin)).map(|v| normal.dot(&self.point(v)));
+        let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+        high - low <= 2.0 * flat
+    }
+
+    /// Whether one of the facets at an edge goes straight on into the other at an end of the edge.
+    fn leaves_straight_corner(&self, edge: EdgeId) -> bool {
+        let topology = &self.brep.topology;
+        let fins: Vec<FinId> = topology.fins_around(edge).collect();
+        let is_straight = |f: FinId, g: FinId| {
+            let ([from, at], [_, to]) = (topology.fin_ends(topology.prev_fin(f)), topology.fin_ends(topology.next_fin(g)));
+            turns_straight(&[from, at, to].map(|v| self.point(v)))
+        };
+        matches!(fins[..], [f, g] if is_straight(f, g) || is_straight(g, f))
+    }
+
+    /// Size of the model, or its distance from the origin if that is larger.
+    fn extent(&self) -> f64 {
+        let size = Aabb::around(self.brep.vertices.iter().map(|v| &v.point)).diagonal();
+        self.brep.vertices.iter().fold(size, |m, v| m.max(v.point.amax()))
     }
 
     /// Whether the facets at an edge are almost, but not quite, in one plane.
@@ -83,11 +125,14 @@ impl Workpiece {
         edges.into_iter().filter(|&e| self.is_weak(e, aim)).count()
     }
 
+    fn area(&self, facet: FacetId) -> Vec3 {
+        let corners = self.brep.triangles(facet).map(|t| t.map(|v| self.point(v)));
+        corners.map(|[a, b, c]| (b - a).cross(&(c - a))).sum()
+    }
+
     /// Unit normal of a facet.
     fn normal(&self, facet: FacetId) -> Vec3 {
-        let corners = self.brep.triangles(facet).map(|t| t.map(|v| self.point(v)));
-        let area: Vec3 = corners.map(|[a, b, c]| (b - a).cross(&(c - a))).sum();
-        area.try_normalize(0.0).unwrap_or_else(Vec3::zeros)
+        self.area(facet).try_normalize(0.0).unwrap_or_else(Vec3::zeros)
     }
 
     /// Makes the best move of a vertex of the facets at a weak edge; whether there is one.
@@ -117,7 +162,6 @@ impl Workpiece {
                 }
             }
         }
-        if best.is_none() && aim.is_forced { eprintln!("STUCK {edge:?}");}
         let Some((_, vertex, to)) = best else { return false };
         self.relocate(vertex, to);
         true

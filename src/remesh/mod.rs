@@ -145,11 +145,15 @@ fn has_straight_corner(walks: &[&[u32]], points: &[Vec3]) -> bool {
     walks.iter().filter(|w| w.len() > 2).any(|w| {
         (0..w.len()).any(|k| {
             let [a, b, c] = [0, 1, 2].map(|i| points[w[(k + i) % w.len()] as usize]);
-            let (u, v) = (b - a, c - b);
-            let is_near = u.cross(&v).norm() <= STRAIGHT_SINE * u.norm() * v.norm() && u.dot(&v) > 0.0;
-            is_near && sides.iter().any(|&p| turns(p, &a, &b, &c))
+            turns_straight(&[a, b, c]) && sides.iter().any(|&p| turns(p, &a, &b, &c))
         })
     })
+}
+
+/// Whether a way is straight at its middle point but for rounding.
+fn turns_straight([a, b, c]: &[Vec3; 3]) -> bool {
+    let (u, v) = (b - a, c - b);
+    u.cross(&v).norm() <= STRAIGHT_SINE * u.norm() * v.norm() && u.dot(&v) > 0.0
 }
 
 impl Workpiece {
@@ -189,6 +193,7 @@ impl Workpiece {
         self.find_features();
         self.run(&limits);
         self.clear_bends();
+        self.merge_flat();
     }
 
     /// The facets to be remeshed.
