@@ -223,7 +223,7 @@ impl Workpiece {
         }
         let mut after = Measure::BEST;
         for &facet in star {
-            after = after.worse_of(self.measure(facet, moved(facet)?));
+            after = after.worse_of(self.measure_moved(facet, vertex, to)?);
             if after.is_flipped && !before.is_flipped {
                 return None;
             }

@@ -1,10 +1,10 @@
 //! Where vertices go.
 
 use super::operators::Effect;
-use super::quality::cosine_of_degrees;
+use super::quality::{cosine_of_degrees, sharpest_cosine};
 use super::workpiece::{Place, Workpiece};
 use crate::geom::Vec3;
-use crate::ids::{Id, VertexId};
+use crate::ids::{FacetId, Id, VertexId};
 use crate::patch::curve::project_on_all;
 use crate::patch::support::{Support, any_normal_to};
 
@@ -30,6 +30,8 @@ const AT_HOME: f64 = 1e-6;
 /// Volume of three unit normals (sine for two) above which their surfaces meet in a point (a curve).
 const INDEPENDENT: f64 = 0.05;
 
+/// A step of the search is dropped before it is projected if its cosine is worse by more than this: projection changes less.
+const NEAR_HOME: f64 = 0.01;
 /// Steps of the pattern search for the best place.
 const SEARCH_STEPS: usize = 9;
 
@@ -141,8 +143,12 @@ impl Workpiece {
         for _ in 0..SEARCH_STEPS {
             let mut found = None;
             for d in &directions {
-                let to = self.home(vertex, &(best.0 + d * step));
                 let least = found.map_or(best.1.after.cosine, |f: (Vec3, Effect)| f.1.after.cosine);
+                let near = best.0 + d * step;
+                if self.sharpest_around(vertex, &star, &near) > least + NEAR_HOME {
+                    continue;
+                }
+                let to = self.home(vertex, &near);
                 if let Some(effect) = self.plan_move(vertex, &star, before, &to, least)
                     && effect.is_legal()
                     && effect.after.cosine < least
@@ -156,6 +162,13 @@ impl Workpiece {
             }
         }
         best.1.is_better().then_some(best)
+    }
+
+    /// Cosine of the smallest angle of the triangles around a vertex if it were elsewhere.
+    fn sharpest_around(&self, vertex: VertexId, star: &[FacetId], to: &Vec3) -> f64 {
+        let moved = |t: [VertexId; 3]| t.map(|v| if v == vertex { *to } else { self.point(v) });
+        let triangles = star.iter().filter_map(|&f| self.corners(f)).map(moved);
+        triangles.map(|[a, b, c]| sharpest_cosine([&a, &b, &c], self.obtuse)).fold(0.5, f64::max)
     }
 
     pub fn directions(&self, vertex: VertexId, here: &Vec3) -> Option<Vec<Vec3>> {

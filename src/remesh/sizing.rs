@@ -57,7 +57,7 @@ impl Bound {
     pub fn at(&self, foot: &Foot) -> f64 {
         match self {
             Self::Fixed(d) => *d,
-            Self::ByCurvature { .. } => self.along(foot.principal()[0].0.abs()),
+            Self::ByCurvature { .. } => self.along(foot.largest_curvature()),
         }
     }
 
@@ -86,7 +86,7 @@ impl Bound {
             let middles = [(a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5];
             // The largest over the facet, not that of the barycentre alone: strips touch their cylinder at both long sides.
             deviation += area * middles.iter().map(|m| support.distance(m)).fold(0.0, f64::max);
-            bending += area * foot.principal()[0].0.abs();
+            bending += area * foot.largest_curvature();
             weight += area;
         }
         if weight == 0.0 {
