@@ -178,6 +178,7 @@ impl Workpiece {
             choice,
             obtuse: 0.0,
             changed: Vec::new(),
+            is_still: Vec::new(),
         })
     }
 

@@ -283,6 +283,7 @@ impl Workpiece {
         }
         // Ids beyond the end count as changed: vertices that are made from here on.
         self.changed = vec![false; self.brep.topology.bounds()[0]];
+        self.is_still = vec![false; self.brep.topology.bounds()[0]];
         while let Some((facet, key)) = queue.pop() {
             let is_stale =
                 !self.brep.topology.has_facet(facet) || !self.is_treated(facet) || self.measure_facet(facet).cosine != key;
@@ -308,6 +309,7 @@ impl Workpiece {
     /// Improves one triangle; gives the facets around if it did.
     fn mend(&mut self, facet: FacetId) -> Vec<FacetId> {
         let edges = self.edges_of(&[facet]);
+        let mut still = Vec::new();
         let mut best: Option<(f64, Mend)> = None;
         let mut consider = |effect: &Effect, what: Mend| {
             if effect.is_better() && best.as_ref().is_none_or(|b| effect.after.cosine < b.0) {
@@ -327,8 +329,17 @@ impl Workpiece {
             }
         }
         for vertex in self.corners(facet).into_iter().flatten() {
-            if let Some((to, effect)) = self.best_place(vertex) {
-                consider(&effect, Mend::Move(vertex, to));
+            if self.is_still.get(vertex.index()) == Some(&true) {
+                continue;
+            }
+            match self.best_place(vertex) {
+                Some((to, effect)) => consider(&effect, Mend::Move(vertex, to)),
+                None => still.push(vertex),
+            }
+        }
+        for vertex in still {
+            if let Some(flag) = self.is_still.get_mut(vertex.index()) {
+                *flag = true;
             }
         }
         match best {

@@ -80,6 +80,8 @@ pub(super) struct Workpiece {
     pub choice: Choice,
     /// By vertex: whether anything around it changed since it was last polished; all true if too short.
     pub changed: Vec<bool>,
+    /// By vertex: whether no better place was found for it and nothing around it has changed since.
+    pub is_still: Vec<bool>,
 }
 
 impl Workpiece {
@@ -237,6 +239,9 @@ impl Workpiece {
             for vertex in self.corners(facet).into_iter().flatten() {
                 if let Some(flag) = self.changed.get_mut(vertex.index()) {
                     *flag = true;
+                }
+                if let Some(flag) = self.is_still.get_mut(vertex.index()) {
+                    *flag = false;
                 }
             }
         }
