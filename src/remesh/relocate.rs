@@ -145,7 +145,7 @@ impl Workpiece {
             for d in &directions {
                 let least = found.map_or(best.1.after.cosine, |f: (Vec3, Effect)| f.1.after.cosine);
                 let near = best.0 + d * step;
-                if self.sharpest_around(vertex, &star, &near) > least + NEAR_HOME {
+                if self.is_sharper_around(vertex, &star, &near, least + NEAR_HOME) {
                     continue;
                 }
                 let to = self.home(vertex, &near);
@@ -164,13 +164,14 @@ impl Workpiece {
         best.1.is_better().then_some(best)
     }
 
-    /// Cosine of the smallest angle of the triangles around a vertex if it were elsewhere.
-    fn sharpest_around(&self, vertex: VertexId, star: &[FacetId], to: &Vec3) -> f64 {
+    /// Whether a triangle around a vertex would have an angle with a cosine past `limit` if the vertex were elsewhere.
+    fn is_sharper_around(&self, vertex: VertexId, star: &[FacetId], to: &Vec3, limit: f64) -> bool {
         let moved = |t: [VertexId; 3]| t.map(|v| if v == vertex { *to } else { self.point(v) });
-        let triangles = star.iter().filter_map(|&f| self.corners(f)).map(moved);
-        triangles.map(|[a, b, c]| sharpest_cosine([&a, &b, &c], self.obtuse)).fold(0.5, f64::max)
+        let mut triangles = star.iter().filter_map(|&f| self.corners(f)).map(moved);
+        triangles.any(|[a, b, c]| sharpest_cosine([&a, &b, &c], self.obtuse) > limit)
     }
 
+    /// Directions in which a vertex may move.
     pub fn directions(&self, vertex: VertexId, here: &Vec3) -> Option<Vec<Vec3>> {
         match self.place(vertex) {
             Place::Corner => None,

@@ -174,6 +174,18 @@ impl Workpiece {
         self.corners(facet).map_or(Measure::BEST, |t| self.measure(facet, t.map(|v| self.point(v))))
     }
 
+    /// Shape of a treated facet: the cosine of its measure, without a look at its support.
+    pub fn sharpest(&self, facet: FacetId) -> f64 {
+        let Some(corners) = self.corners(facet) else { return Measure::BEST.cosine };
+        let [a, b, c] = corners.map(|v| self.point(v));
+        sharpest_cosine([&a, &b, &c], self.obtuse)
+    }
+
+    /// The worst shape of the treated facets at a vertex.
+    pub fn sharpest_at(&self, vertex: VertexId) -> f64 {
+        self.star(vertex).into_iter().map(|f| self.sharpest(f)).fold(Measure::BEST.cosine, f64::max)
+    }
+
     /// Whether a triangle's normal has the sense of its support's; `None` if it is too steep to tell.
     pub fn visible_sense(&self, facet: FacetId) -> Option<f64> {
         let [a, b, c] = self.corners(facet)?.map(|v| self.point(v));
