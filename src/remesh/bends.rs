@@ -7,7 +7,7 @@
 
 use super::operators::Effect;
 use super::quality::cosine_of_degrees;
-use super::turns_straight;
+use super::straight::is_straight;
 use super::workpiece::{Measure, Place, Workpiece};
 use crate::brep::store::{EdgeId, FinId};
 use crate::geom::Vec3;
@@ -90,11 +90,11 @@ impl Workpiece {
     fn leaves_straight_corner(&self, edge: EdgeId) -> bool {
         let topology = &self.brep.topology;
         let fins: Vec<FinId> = topology.fins_around(edge).collect();
-        let is_straight = |f: FinId, g: FinId| {
+        let goes_on = |f: FinId, g: FinId| {
             let ([from, at], [_, to]) = (topology.fin_ends(topology.prev_fin(f)), topology.fin_ends(topology.next_fin(g)));
-            turns_straight(&[from, at, to].map(|v| self.point(v)))
+            is_straight(&[from, at, to].map(|v| self.point(v)))
         };
-        matches!(fins[..], [f, g] if is_straight(f, g) || is_straight(g, f))
+        matches!(fins[..], [f, g] if goes_on(f, g) || goes_on(g, f))
     }
 
     /// Size of the model, or its distance from the origin if that is larger.
