@@ -30,7 +30,7 @@ const SLIDES: [f64; 6] = [0.005, 0.01, 0.02, 0.04, 0.08, 0.16];
 /// Newton steps to a plane along a curve; they start at a hundredth of the distance.
 const FOOT_STEPS: usize = 4;
 /// How often all edges are looked at; a move may bring another edge into trouble.
-const PASSES: usize = 4;
+const PASSES: usize = 2;
 
 /// Which edges are looked at, and what may be done.
 #[derive(Clone, Copy)]

@@ -33,7 +33,7 @@ const INDEPENDENT: f64 = 0.05;
 /// A step of the search is dropped before it is projected if its cosine is worse by more than this: projection changes less.
 const NEAR_HOME: f64 = 0.01;
 /// Steps of the pattern search for the best place.
-const SEARCH_STEPS: usize = 9;
+const SEARCH_STEPS: usize = 6;
 
 impl Workpiece {
     /// Moves a vertex towards its aim as far as that is legal; whether it moved.
