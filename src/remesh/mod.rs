@@ -15,8 +15,10 @@
 //! 6. Polish, worst triangle first: the one of swap, collapse and relocation (`relocate`: a pattern search) that raises the
 //!    smallest angle around most.
 //! 7. Thin out: collapse what shape and deviation do not need; split what still deviates too far; polish.
-//! 8. Planar facets get new triangulations, and an exact test proves that nothing meets anything (`verify`). Surfaces at fault
+//! 8. Neighbouring facets almost in one plane are brought into it, or turned clear of it, and become polygons (`bends`).
+//! 9. Planar facets get new triangulations, and an exact test proves that nothing meets anything (`verify`). Surfaces at fault
 //!    are remeshed again with half the deviation, at last left alone; if nothing helps, the complex stays as evaluated.
+//!    Polygons of which TetGen would die are cut (`straight`).
 //!
 //! Every operation (`operators`) is a short sequence of Euler operators of the kernel (`brep::local`), planned and judged before
 //! it is applied: nothing flips against the support, no deviation grows past the bound, planar facets beside stay simple
