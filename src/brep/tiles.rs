@@ -85,6 +85,26 @@ impl Brep {
     }
 }
 
+impl Brep {
+    /// Makes one polygon of the two facets at an edge, with the triangles of both; the facet that stays, `None` if the edge is a
+    /// feature, or if they touch elsewhere, too. Euler operator: KEF.
+    pub fn merge_facets(&mut self, edge: EdgeId) -> Option<FacetId> {
+        let fins: Vec<FinId> = self.topology.fins_around(edge).collect();
+        let &[f, g] = &fins[..] else { return None };
+        let [kept, gone] = [f, g].map(|fin| self.topology.facet_of(fin));
+        let corners = |facet| -> HashSet<VertexId> {
+            self.topology.fins_of_facet(facet).flat_map(|fin| self.topology.fin_ends(fin)).collect()
+        };
+        if self.is_feature(edge) || corners(kept).intersection(&corners(gone)).count() != 2 {
+            return None;
+        }
+        let tiles: Vec<[VertexId; 3]> = self.triangles(kept).chain(self.triangles(gone)).collect();
+        self.topology.kef(g).ok()?;
+        self.facets[kept].tiles = tiles;
+        Some(kept)
+    }
+}
+
 /// The triangles of a polygon by directed edge: for each, its third corner.
 struct Fans(Vec<([VertexId; 2], VertexId)>);
 

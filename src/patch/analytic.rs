@@ -39,7 +39,7 @@ pub(super) fn out_of_frame(frame: &Frame, v: &Vec3) -> Vec3 {
 /// Axial and radial part of a point: unit radial direction (x of the frame on the axis), radius, height.
 fn cylindrical(frame: &Frame, point: &Vec3) -> (Vec3, f64, f64) {
     let local = into_frame(frame, point);
-    let radius = libm::hypot(local.x, local.y);
+    let radius = (local.x * local.x + local.y * local.y).sqrt();
     let radial = if radius > 0.0 { (frame.x * local.x + frame.y * local.y) / radius } else { frame.x };
     (radial, radius, local.z)
 }

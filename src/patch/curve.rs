@@ -5,7 +5,7 @@
 
 use super::support::{Foot, Support};
 use crate::geom::Vec3;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::Matrix3;
 use std::sync::Arc;
 
 /// The sine of the angle below which two surfaces count as tangent: their crossing is then ill-conditioned by over 1 / sine.
@@ -121,14 +121,17 @@ fn on_planes(point: Vec3, supports: &[Arc<Support>]) -> Vec3 {
 
 /// The least step to where the tangent planes of the feet meet.
 fn least_step(point: &Vec3, feet: &[Foot]) -> Option<Vec3> {
-    let count = feet.len();
-    let gram = DMatrix::from_fn(count, count, |i, j| feet[i].normal.dot(&feet[j].normal));
-    let rest = DVector::from_fn(count, |i, _| (feet[i].point - point).dot(&feet[i].normal));
+    // Up to three surfaces; the rest of the system is the identity.
+    let gram = Matrix3::from_fn(|i, j| match (feet.get(i), feet.get(j)) {
+        (Some(f), Some(g)) => f.normal.dot(&g.normal),
+        _ => f64::from(u8::from(i == j)),
+    });
+    let rest = Vec3::from_fn(|i, _| feet.get(i).map_or(0.0, |f| (f.point - point).dot(&f.normal)));
     // The surfaces cross if their normals span as many directions as there are surfaces.
-    if gram.determinant() < TANGENT_SINE * TANGENT_SINE {
+    if feet.len() > 3 || gram.determinant() < TANGENT_SINE * TANGENT_SINE {
         return None;
     }
-    let weights = gram.lu().solve(&rest)?;
+    let weights = gram.try_inverse()? * rest;
     Some(feet.iter().zip(weights.iter()).map(|(f, w)| f.normal * *w).sum())
 }
 

@@ -23,6 +23,12 @@ impl Ellipsoid {
     }
 
     pub(super) fn closest(&self, point: &Vec3) -> Foot {
+        if self.radii.min() == self.radii.max()
+            && let Some(normal) = (point - self.frame.origin).try_normalize(0.0)
+        {
+            let bending = (Matrix3::identity() - normal * normal.transpose()) / self.radii.x;
+            return Foot { point: self.frame.origin + normal * self.radii.x, normal, bending };
+        }
         let local = into_frame(&self.frame, point);
         let foot = closest_in_octant(&self.radii, &local.abs());
         let foot = Vec3::new(foot.x.copysign(local.x), foot.y.copysign(local.y), foot.z.copysign(local.z));

@@ -41,6 +41,13 @@ impl Foot {
         if first.0.abs() >= second.0.abs() { [first, second] } else { [second, first] }
     }
 
+    /// The magnitude of the larger principal curvature.
+    pub fn largest_curvature(&self) -> f64 {
+        // The eigenvalues besides the zero along the normal, from trace and sum of squares.
+        let (mean, squares) = (self.bending.trace() * 0.5, self.bending.norm_squared());
+        mean.abs() + (squares * 0.5 - mean * mean).max(0.0).sqrt()
+    }
+
     /// Average of the principal curvatures (thesis 4.2.2, note i).
     pub fn mean_curvature(&self) -> f64 {
         self.bending.trace() * 0.5

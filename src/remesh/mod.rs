@@ -15,8 +15,10 @@
 //! 6. Polish, worst triangle first: the one of swap, collapse and relocation (`relocate`: a pattern search) that raises the
 //!    smallest angle around most.
 //! 7. Thin out: collapse what shape and deviation do not need; split what still deviates too far; polish.
-//! 8. Planar facets get new triangulations, and an exact test proves that nothing meets anything (`verify`). Surfaces at fault
+//! 8. Neighbouring facets almost in one plane are brought into it, or turned clear of it, and become polygons (`bends`).
+//! 9. Planar facets get new triangulations, and an exact test proves that nothing meets anything (`verify`). Surfaces at fault
 //!    are remeshed again with half the deviation, at last left alone; if nothing helps, the complex stays as evaluated.
+//!    Polygons of which TetGen would die are cut (`straight`).
 //!
 //! Every operation (`operators`) is a short sequence of Euler operators of the kernel (`brep::local`), planned and judged before
 //! it is applied: nothing flips against the support, no deviation grows past the bound, planar facets beside stay simple
@@ -36,6 +38,7 @@
 //! ```
 
 mod bands;
+mod bends;
 mod creases;
 mod features;
 mod operators;
@@ -45,20 +48,18 @@ mod quality;
 mod relocate;
 mod schedule;
 mod sizing;
+mod straight;
 mod verify;
 mod workpiece;
 
-use crate::brep::complex::{Complex, ComplexFacet};
+use crate::brep::complex::Complex;
 use crate::brep::model::Brep;
 use crate::diag::Outcome;
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
-use crate::geom::polygon::is_planar;
-use crate::geom::predicates::{Projection, orient2d};
 use crate::ids::{FacetId, Id, IdVec, PartId, SurfaceId};
 use crate::patch::fit::supports_of;
 use crate::patch::support::Support;
-use crate::round::PLANAR_ULPS;
 use crate::scene::model::{Part, RemeshMode, RemeshOptions};
 use bands::Choice;
 use sizing::{Bound, Limits};
@@ -68,8 +69,6 @@ use workpiece::Workpiece;
 
 /// Attempts at most; each one remeshes surfaces at fault closer to their true shape, or leaves them alone.
 const ATTEMPTS: usize = 6;
-/// Sine of the turn below which a corner counts as straight.
-const STRAIGHT_SINE: f64 = 1e-9;
 /// Share of the deviation bound at which a surface at fault is left alone.
 const LEAST_SHARE: f64 = 0.3;
 
@@ -103,7 +102,7 @@ pub fn remesh(complex: Complex, options: &RemeshOptions, parts: &IdVec<PartId, P
         let faulty = work.faulty_surfaces();
         if faulty.is_empty() {
             let mut done = work.brep.to_complex();
-            split_bent(&mut done);
+            straight::cut_unsound(&mut done);
             creases::restore(&mut done, &original, count);
             return Ok(done);
         }
@@ -113,42 +112,6 @@ pub fn remesh(complex: Complex, options: &RemeshOptions, parts: &IdVec<PartId, P
         }
     }
     Ok(evaluated)
-}
-
-/// Polygons that are no longer planar, strips beside curves that moved to the true surface, become their triangles, which are
-/// planar always. So do polygons with a corner that is straight but for rounding: TetGen 1.5 dies of them; it merges the triangles.
-fn split_bent(complex: &mut Complex) {
-    let points: Vec<Vec3> = complex.vertices.iter().map(|v| v.point).collect();
-    let extent = Aabb::around(&points).diagonal();
-    let flatness = PLANAR_ULPS * f64::EPSILON * points.iter().fold(extent, |m, p| m.max(p.amax()));
-    let mut facets = IdVec::new();
-    for facet in std::mem::take(&mut complex.facets) {
-        let loops: Vec<Vec<u32>> = facet.loops.iter().map(|l| l.iter().map(|v| v.0).collect()).collect();
-        let walks: Vec<&[u32]> = loops.iter().map(|l| &l[..]).collect();
-        let is_sound = || is_planar(&walks, &points, flatness) && !has_straight_corner(&walks, &points);
-        if facet.triangles.len() == 1 || is_sound() {
-            facets.push(facet);
-            continue;
-        }
-        for &t in &facet.triangles {
-            facets.push(ComplexFacet { loops: vec![t.to_vec()], triangles: vec![t], ..facet.clone() });
-        }
-    }
-    complex.facets = facets;
-}
-
-/// Whether a polygon has a corner that is nearly, but not exactly, straight.
-fn has_straight_corner(walks: &[&[u32]], points: &[Vec3]) -> bool {
-    let sides = [Vec3::x(), Vec3::y(), Vec3::z()].map(|axis| Projection::along(&axis));
-    let turns = |p: Projection, a: &Vec3, b: &Vec3, c: &Vec3| orient2d(p.apply(a), p.apply(b), p.apply(c)) != 0;
-    walks.iter().filter(|w| w.len() > 2).any(|w| {
-        (0..w.len()).any(|k| {
-            let [a, b, c] = [0, 1, 2].map(|i| points[w[(k + i) % w.len()] as usize]);
-            let (u, v) = (b - a, c - b);
-            let is_near = u.cross(&v).norm() <= STRAIGHT_SINE * u.norm() * v.norm() && u.dot(&v) > 0.0;
-            is_near && sides.iter().any(|&p| turns(p, &a, &b, &c))
-        })
-    })
 }
 
 impl Workpiece {
@@ -173,6 +136,7 @@ impl Workpiece {
             choice,
             obtuse: 0.0,
             changed: Vec::new(),
+            is_still: Vec::new(),
         })
     }
 
@@ -187,6 +151,8 @@ impl Workpiece {
         self.divide(&treated);
         self.find_features();
         self.run(&limits);
+        self.clear_bends();
+        self.merge_flat();
     }
 
     /// The facets to be remeshed.

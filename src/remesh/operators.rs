@@ -125,8 +125,9 @@ impl Workpiece {
 
 /// Collapse.
 impl Workpiece {
-    /// What contracting an edge onto its other end would do; `None` if topology, freedoms or polygons forbid it.
-    pub fn plan_collapse(&self, edge: EdgeId, gone: VertexId) -> Option<(Collapse, Effect)> {
+    /// What contracting an edge onto its other end would do; `None` if topology, freedoms or polygons forbid it or an angle gets so
+    /// small that its cosine passes `limit`.
+    pub fn plan_collapse(&self, edge: EdgeId, gone: VertexId, limit: f64) -> Option<(Collapse, Effect)> {
         let kept = self.brep.topology.other_end(edge, gone);
         let is_feature = self.brep.is_feature(edge);
         match self.place(gone) {
@@ -137,6 +138,13 @@ impl Workpiece {
         }
         let plan = self.brep.plan_collapse(edge, gone).ok()?;
         let at = self.point(kept);
+        // Shapes first: they cost a tenth of a look at the supports.
+        for &facet in plan.changed.iter().filter(|&&f| self.is_treated(f)) {
+            let [a, b, c] = self.corners(facet)?.map(|v| if v == gone { at } else { self.point(v) });
+            if sharpest_cosine([&a, &b, &c], self.obtuse) > limit {
+                return None;
+            }
+        }
         let mut effect = Effect { before: self.worst(&self.star(gone)), after: Measure::BEST };
         for &facet in &plan.changed {
             if self.is_treated(facet) {
@@ -223,7 +231,7 @@ impl Workpiece {
         }
         let mut after = Measure::BEST;
         for &facet in star {
-            after = after.worse_of(self.measure(facet, moved(facet)?));
+            after = after.worse_of(self.measure_moved(facet, vertex, to)?);
             if after.is_flipped && !before.is_flipped {
                 return None;
             }

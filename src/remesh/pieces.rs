@@ -1,10 +1,14 @@
 //! Cuts a planar facet across between marks on its border.
 
+use super::straight::triangles_of;
 use crate::brep::complex::ComplexFacet;
 use crate::geom::Vec3;
 use crate::geom::polygon::triangulate;
-use crate::ids::VertexId;
+use crate::ids::{Id, VertexId};
 use std::collections::{BTreeMap, HashMap};
+
+/// Cosine of the angle between a chord and the border past which it runs along it (0.1 degrees).
+const FLAT_COSINE: f64 = 1.0 - 1.5e-6;
 
 /// A vertex to enter an edge, as seen from the edge's smaller end.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -46,6 +50,46 @@ pub(super) fn cut_facet(mut facet: ComplexFacet, marks: &Marks, points: &[Vec3])
         Some(triangles) => pieces(facet, triangles, &chords),
         None => vec![facet],
     }
+}
+
+/// The facet cut from each of some corners across; in triangles if a corner cannot be cut off.
+pub(super) fn cut_at(facet: ComplexFacet, corners: &[VertexId], points: &[Vec3]) -> Vec<ComplexFacet> {
+    let mut chords: Vec<[VertexId; 2]> = Vec::new();
+    let mut triangles = facet.triangles.clone();
+    for &corner in corners {
+        if chords.iter().any(|c| c.contains(&corner)) {
+            continue;
+        }
+        let found = chords_from(&facet.loops, corner, points).into_iter().find_map(|chord| {
+            let all = [&chords[..], &[chord]].concat();
+            tiles(&facet, &all, points).map(|t| (chord, t))
+        });
+        let Some((chord, cut)) = found else { return triangles_of(&facet).collect() };
+        chords.push(chord);
+        triangles = cut;
+    }
+    pieces(facet, triangles, &chords)
+}
+
+/// Chords from a corner of the outer loop to its others: those that cut off no triangle first, and of these the one that leaves the
+/// largest angles.
+fn chords_from(loops: &[Vec<VertexId>], corner: VertexId, points: &[Vec3]) -> Vec<[VertexId; 2]> {
+    let walk = &loops[0];
+    let n = walk.len();
+    let Some(from) = walk.iter().position(|&v| v == corner) else { return Vec::new() };
+    let point = |k: usize| points[walk[k % n].index()];
+    let cosine = |at: usize, a: usize, b: usize| {
+        let (u, v) = (point(a) - point(at), point(b) - point(at));
+        u.dot(&v) / (u.norm() * v.norm())
+    };
+    let sharpest = |to: usize| {
+        let sides = [(from, to), (to, from)].into_iter().flat_map(|(p, q)| [(p, q, p + 1), (p, q, p + n - 1)]);
+        sides.map(|(at, a, b)| cosine(at, a, b)).fold(-1.0, f64::max)
+    };
+    let ends = (2..n - 1).map(|k| (k == 2 || k == n - 2, sharpest((from + k) % n), walk[(from + k) % n]));
+    let mut ends: Vec<(bool, f64, VertexId)> = ends.filter(|e| e.1 < FLAT_COSINE).collect();
+    ends.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    ends.into_iter().map(|(_, _, v)| [corner.min(v), corner.max(v)]).collect()
 }
 
 /// A loop with the marks of its edges.

@@ -1,10 +1,10 @@
 //! Where vertices go.
 
 use super::operators::Effect;
-use super::quality::cosine_of_degrees;
+use super::quality::{cosine_of_degrees, sharpest_cosine};
 use super::workpiece::{Place, Workpiece};
 use crate::geom::Vec3;
-use crate::ids::{Id, VertexId};
+use crate::ids::{FacetId, Id, VertexId};
 use crate::patch::curve::project_on_all;
 use crate::patch::support::{Support, any_normal_to};
 
@@ -30,8 +30,10 @@ const AT_HOME: f64 = 1e-6;
 /// Volume of three unit normals (sine for two) above which their surfaces meet in a point (a curve).
 const INDEPENDENT: f64 = 0.05;
 
+/// A step of the search is dropped before it is projected if its cosine is worse by more than this: projection changes less.
+const NEAR_HOME: f64 = 0.01;
 /// Steps of the pattern search for the best place.
-const SEARCH_STEPS: usize = 9;
+const SEARCH_STEPS: usize = 6;
 
 impl Workpiece {
     /// Moves a vertex towards its aim as far as that is legal; whether it moved.
@@ -141,8 +143,12 @@ impl Workpiece {
         for _ in 0..SEARCH_STEPS {
             let mut found = None;
             for d in &directions {
-                let to = self.home(vertex, &(best.0 + d * step));
                 let least = found.map_or(best.1.after.cosine, |f: (Vec3, Effect)| f.1.after.cosine);
+                let near = best.0 + d * step;
+                if self.is_sharper_around(vertex, &star, &near, least + NEAR_HOME) {
+                    continue;
+                }
+                let to = self.home(vertex, &near);
                 if let Some(effect) = self.plan_move(vertex, &star, before, &to, least)
                     && effect.is_legal()
                     && effect.after.cosine < least
@@ -158,7 +164,15 @@ impl Workpiece {
         best.1.is_better().then_some(best)
     }
 
-    fn directions(&self, vertex: VertexId, here: &Vec3) -> Option<Vec<Vec3>> {
+    /// Whether a triangle around a vertex would have an angle with a cosine past `limit` if the vertex were elsewhere.
+    fn is_sharper_around(&self, vertex: VertexId, star: &[FacetId], to: &Vec3, limit: f64) -> bool {
+        let moved = |t: [VertexId; 3]| t.map(|v| if v == vertex { *to } else { self.point(v) });
+        let mut triangles = star.iter().filter_map(|&f| self.corners(f)).map(moved);
+        triangles.any(|[a, b, c]| sharpest_cosine([&a, &b, &c], self.obtuse) > limit)
+    }
+
+    /// Directions in which a vertex may move.
+    pub fn directions(&self, vertex: VertexId, here: &Vec3) -> Option<Vec<Vec3>> {
         match self.place(vertex) {
             Place::Corner => None,
             Place::Curve(c) => {

@@ -116,7 +116,7 @@ impl Workpiece {
     }
 
     /// All edges of some facets.
-    fn edges_of(&self, facets: &[FacetId]) -> Vec<EdgeId> {
+    pub fn edges_of(&self, facets: &[FacetId]) -> Vec<EdgeId> {
         let topology = &self.brep.topology;
         let live = facets.iter().filter(|&&f| topology.has_facet(f) && self.is_treated(f));
         live.flat_map(|&f| topology.fins_of_facet(f)).filter_map(|fin| topology.edge_of(fin)).collect()
@@ -194,7 +194,8 @@ impl Workpiece {
     /// Collapses edges that are too short, shortest first.
     fn collapse_short(&mut self, reach: Reach) {
         let rough = cosine_of_degrees(ROUGH);
-        self.collapse_while(SHORT, LONG, reach, |effect, is_inner| {
+        let limit = |me: &Self, gone| me.sharpest_at(gone).max(rough);
+        self.collapse_while(SHORT, LONG, reach, limit, |effect, is_inner| {
             let allowed = if is_inner { LOOSE } else { 1.0 };
             !effect.after.is_flipped
                 && effect.after.excess <= effect.before.excess.max(allowed)
@@ -205,13 +206,25 @@ impl Workpiece {
     /// Collapses edges, shortest first, as long as shape and deviation stay good: no more triangles than needed.
     fn thin_out(&mut self) {
         let keep = cosine_of_degrees(THIN_KEEPS);
-        self.collapse_while(THIN_BELOW, THIN_LONGEST, Reach::All, |effect, _| {
-            effect.is_legal() && effect.after.excess <= 1.0 && effect.after.cosine <= keep
-        });
+        self.collapse_while(
+            THIN_BELOW,
+            THIN_LONGEST,
+            Reach::All,
+            |_, _| keep,
+            |effect, _| effect.is_legal() && effect.after.excess <= 1.0 && effect.after.cosine <= keep,
+        );
     }
 
-    /// Collapses edges shorter than `below` wanted lengths, unless an edge longer than `longest` would arise.
-    fn collapse_while(&mut self, below: f64, longest: f64, reach: Reach, accept: impl Fn(&Effect, bool) -> bool) {
+    /// Collapses edges shorter than `below` wanted lengths, unless an edge longer than `longest` or an angle with a cosine past `limit`
+    /// would arise.
+    fn collapse_while(
+        &mut self,
+        below: f64,
+        longest: f64,
+        reach: Reach,
+        limit: impl Fn(&Self, VertexId) -> f64,
+        accept: impl Fn(&Effect, bool) -> bool,
+    ) {
         let mut queue = Queue::new();
         let edges = self.active_edges();
         let mut budget = BUDGET_PER_EDGE * edges.len() + 100;
@@ -232,7 +245,8 @@ impl Workpiece {
             budget -= 1;
             let [a, b] = self.brep.topology.ends(edge);
             let is_inner = |v| matches!(self.place(v), Place::Surface(_));
-            let plans = [a, b].map(|gone| self.plan_collapse(edge, gone).filter(|p| accept(&p.1, is_inner(gone))));
+            let plans =
+                [a, b].map(|gone| self.plan_collapse(edge, gone, limit(self, gone)).filter(|p| accept(&p.1, is_inner(gone))));
             let best = plans.into_iter().flatten().min_by(|p, q| p.1.after.cosine.total_cmp(&q.1.after.cosine));
             let Some((plan, _)) = best else { continue };
             if self.would_stretch(plan.gone, plan.kept, longest) {
@@ -283,9 +297,9 @@ impl Workpiece {
         }
         // Ids beyond the end count as changed: vertices that are made from here on.
         self.changed = vec![false; self.brep.topology.bounds()[0]];
+        self.is_still = vec![false; self.brep.topology.bounds()[0]];
         while let Some((facet, key)) = queue.pop() {
-            let is_stale =
-                !self.brep.topology.has_facet(facet) || !self.is_treated(facet) || self.measure_facet(facet).cosine != key;
+            let is_stale = !self.brep.topology.has_facet(facet) || !self.is_treated(facet) || self.sharpest(facet) != key;
             if is_stale || budget == 0 {
                 continue;
             }
@@ -299,7 +313,7 @@ impl Workpiece {
     }
 
     fn enqueue_poor(&self, queue: &mut Queue<FacetId>, facet: FacetId, goal: f64) {
-        let cosine = self.measure_facet(facet).cosine;
+        let cosine = self.sharpest(facet);
         if cosine > goal {
             queue.push(facet, cosine);
         }
@@ -308,6 +322,7 @@ impl Workpiece {
     /// Improves one triangle; gives the facets around if it did.
     fn mend(&mut self, facet: FacetId) -> Vec<FacetId> {
         let edges = self.edges_of(&[facet]);
+        let mut still = Vec::new();
         let mut best: Option<(f64, Mend)> = None;
         let mut consider = |effect: &Effect, what: Mend| {
             if effect.is_better() && best.as_ref().is_none_or(|b| effect.after.cosine < b.0) {
@@ -319,7 +334,7 @@ impl Workpiece {
                 consider(&effect, Mend::Swap(plan));
             }
             for gone in self.brep.topology.ends(edge) {
-                if let Some((plan, effect)) = self.plan_collapse(edge, gone)
+                if let Some((plan, effect)) = self.plan_collapse(edge, gone, self.sharpest_at(gone))
                     && !self.would_stretch(plan.gone, plan.kept, LONG)
                 {
                     consider(&effect, Mend::Collapse(plan));
@@ -327,8 +342,17 @@ impl Workpiece {
             }
         }
         for vertex in self.corners(facet).into_iter().flatten() {
-            if let Some((to, effect)) = self.best_place(vertex) {
-                consider(&effect, Mend::Move(vertex, to));
+            if self.is_still.get(vertex.index()) == Some(&true) {
+                continue;
+            }
+            match self.best_place(vertex) {
+                Some((to, effect)) => consider(&effect, Mend::Move(vertex, to)),
+                None => still.push(vertex),
+            }
+        }
+        for vertex in still {
+            if let Some(flag) = self.is_still.get_mut(vertex.index()) {
+                *flag = true;
             }
         }
         match best {
@@ -361,7 +385,7 @@ impl Workpiece {
             return star;
         }
         let back = self.brep.topology.edge_between(vertex, ends[1]);
-        if let Some((plan, _)) = back.and_then(|e| self.plan_collapse(e, vertex)) {
+        if let Some((plan, _)) = back.and_then(|e| self.plan_collapse(e, vertex, 1.0)) {
             self.collapse(&plan);
         }
         Vec::new()

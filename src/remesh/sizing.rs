@@ -34,6 +34,9 @@ const EASE: f64 = 1.5;
 /// The default bound follows the curvature (equation 4.1) within this factor of its mean.
 const BOUND_RANGE: f64 = 4.0;
 
+/// A slide by a few hundredths of an edge changes its deviation by this factor at most.
+const SLACK: f64 = 1.1;
+
 /// The allowed deviation.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Bound {
@@ -54,7 +57,7 @@ impl Bound {
     pub fn at(&self, foot: &Foot) -> f64 {
         match self {
             Self::Fixed(d) => *d,
-            Self::ByCurvature { .. } => self.along(foot.principal()[0].0.abs()),
+            Self::ByCurvature { .. } => self.along(foot.largest_curvature()),
         }
     }
 
@@ -63,6 +66,14 @@ impl Bound {
         match *self {
             Self::Fixed(d) => d,
             Self::ByCurvature { scale, range: [low, high] } => (scale / curvature.abs()).clamp(low, high),
+        }
+    }
+
+    /// How far it may be passed where otherwise facets would be merged: not at all if the user has set it.
+    pub fn slack(&self) -> f64 {
+        match self {
+            Self::Fixed(_) => 1.0,
+            Self::ByCurvature { .. } => SLACK,
         }
     }
 
@@ -75,7 +86,7 @@ impl Bound {
             let middles = [(a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5];
             // The largest over the facet, not that of the barycentre alone: strips touch their cylinder at both long sides.
             deviation += area * middles.iter().map(|m| support.distance(m)).fold(0.0, f64::max);
-            bending += area * foot.principal()[0].0.abs();
+            bending += area * foot.largest_curvature();
             weight += area;
         }
         if weight == 0.0 {

@@ -80,6 +80,8 @@ pub(super) struct Workpiece {
     pub choice: Choice,
     /// By vertex: whether anything around it changed since it was last polished; all true if too short.
     pub changed: Vec<bool>,
+    /// By vertex: whether no better place was found for it and nothing around it has changed since.
+    pub is_still: Vec<bool>,
 }
 
 impl Workpiece {
@@ -138,6 +140,22 @@ impl Workpiece {
     /// Measures the triangle of a facet with other corner positions.
     pub fn measure(&self, facet: FacetId, corners: [Vec3; 3]) -> Measure {
         let [a, b, c] = corners;
+        let middles = [(a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5];
+        self.measure_at(facet, [a, b, c], &middles)
+    }
+
+    /// Measures the triangle of a facet with one corner elsewhere. Of its edges only the one that follows the corner is looked at:
+    /// around a vertex each edge follows it in one triangle, and the others do not change.
+    pub fn measure_moved(&self, facet: FacetId, vertex: VertexId, to: &Vec3) -> Option<Measure> {
+        let corners = self.corners(facet)?;
+        let k = corners.iter().position(|&v| v == vertex)?;
+        let next = self.point(corners[(k + 1) % 3]);
+        let moved = corners.map(|v| if v == vertex { *to } else { self.point(v) });
+        Some(self.measure_at(facet, moved, &[(to + next) * 0.5]))
+    }
+
+    /// Measures a triangle, its deviation at its centre and some points.
+    fn measure_at(&self, facet: FacetId, [a, b, c]: [Vec3; 3], points: &[Vec3]) -> Measure {
         let cosine = sharpest_cosine([&a, &b, &c], self.obtuse);
         let Some(support) = self.support(facet) else {
             return Measure { cosine, excess: 0.0, is_flipped: false };
@@ -147,14 +165,25 @@ impl Workpiece {
         let foot = support.closest(&center);
         let is_flipped = normal.dot(&foot.normal) <= FLIPPED_COSINE * normal.norm();
         let allowed = self.bound.at(&foot) * self.share(facet);
-        let middle = |p: &Vec3, q: &Vec3| support.distance(&((p + q) * 0.5));
-        let deviation = (foot.point - center).norm().max(middle(&a, &b)).max(middle(&b, &c)).max(middle(&c, &a));
+        let deviation = points.iter().map(|p| support.distance(p)).fold((foot.point - center).norm(), f64::max);
         Measure { cosine, excess: deviation / allowed, is_flipped }
     }
 
     /// Measures a treated facet as it is.
     pub fn measure_facet(&self, facet: FacetId) -> Measure {
         self.corners(facet).map_or(Measure::BEST, |t| self.measure(facet, t.map(|v| self.point(v))))
+    }
+
+    /// Shape of a treated facet: the cosine of its measure, without a look at its support.
+    pub fn sharpest(&self, facet: FacetId) -> f64 {
+        let Some(corners) = self.corners(facet) else { return Measure::BEST.cosine };
+        let [a, b, c] = corners.map(|v| self.point(v));
+        sharpest_cosine([&a, &b, &c], self.obtuse)
+    }
+
+    /// The worst shape of the treated facets at a vertex.
+    pub fn sharpest_at(&self, vertex: VertexId) -> f64 {
+        self.star(vertex).into_iter().map(|f| self.sharpest(f)).fold(Measure::BEST.cosine, f64::max)
     }
 
     /// Whether a triangle's normal has the sense of its support's; `None` if it is too steep to tell.
@@ -222,6 +251,9 @@ impl Workpiece {
             for vertex in self.corners(facet).into_iter().flatten() {
                 if let Some(flag) = self.changed.get_mut(vertex.index()) {
                     *flag = true;
+                }
+                if let Some(flag) = self.is_still.get_mut(vertex.index()) {
+                    *flag = false;
                 }
             }
         }

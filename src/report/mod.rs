@@ -4,6 +4,7 @@ pub mod diagnostics;
 pub mod distribution;
 pub mod lanczos;
 pub mod quality;
+pub mod sharp;
 pub mod stiffness;
 pub mod tets;
 pub mod text;
@@ -19,6 +20,7 @@ use crate::pipeline::Model;
 use crate::round::Repairs;
 use quality::Distribution;
 use serde::Serialize;
+use sharp::SharpAngle;
 use timing::StageTime;
 
 /// The result of `gsm build` for the terminal and, serialised, for `--json`.
@@ -44,6 +46,8 @@ pub struct Report {
     pub interfaces: Vec<MarkerEntry>,
     /// Quality of the facets that are single triangles.
     pub quality: Option<Distribution>,
+    /// Their angles below 30 degrees.
+    pub sharp_angles: Vec<SharpAngle>,
     /// What the exact arrangement did.
     pub arrangement: Statistics,
     /// How often rounding was repaired.
@@ -71,6 +75,7 @@ impl Report {
             parts: m.regions.clone(),
             interfaces: m.markers.clone(),
             quality: quality_of(&model.complex),
+            sharp_angles: sharp::sharp_angles(&model.complex),
             arrangement: model.statistics,
             repairs: model.repairs,
             warnings: model.warnings.clone(),

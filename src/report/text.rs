@@ -62,6 +62,15 @@ fn write_all(out: &mut String, r: &Report) -> fmt::Result {
         }
         None => writeln!(out, "\nno triangular facets")?,
     }
+    if let Some(sharpest) = r.sharp_angles.first() {
+        let forced = r.sharp_angles.iter().filter(|s| s.is_forced).count();
+        let [x, y, z] = sharpest.at.map(significant);
+        let (count, interface) = (r.sharp_angles.len(), &sharpest.interface);
+        writeln!(
+            out,
+            "  {count} sharp angles, {forced} forced by the model; sharpest at ({x}, {y}, {z}) on {interface}; all with --json"
+        )?;
+    }
     writeln!(out, "\ntime")?;
     write!(out, "{}", times(r))?;
     if let Some(path) = &r.output {

@@ -63,9 +63,9 @@ pub struct RemeshOptions {
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Deserialize, serde::Serialize)]
 pub enum RemeshMode {
     /// None.
-    #[default]
     Off,
     /// Curved facets near curves that the intersection made; strips are cut there, and what lies further off stays as it is.
+    #[default]
     Interfaces,
     /// All curved facets.
     Full,

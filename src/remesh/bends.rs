@@ -1,0 +1,216 @@
+//! Makes facets of a surface that lie almost in one plane lie in it, or turns them clear of each other.
+//!
+//! TetGen 1.5 and 1.6 merge neighbouring facets of one marker whose planes differ by less than 0.1 degrees, and the merged facet
+//! encloses another volume. That comes about where a vertex of a band lies almost on a ruling: the triangle at the strip's end is
+//! almost in the strip's plane. Slid onto the ruling, by a hundredth of the edge length, it is in that plane but for rounding:
+//! merging is harmless then, and even wanted, for an edge less is an edge less that TetGen has to keep.
+
+use super::operators::Effect;
+use super::quality::cosine_of_degrees;
+use super::straight::is_straight;
+use super::workpiece::{Measure, Place, Workpiece};
+use crate::brep::store::{EdgeId, FinId};
+use crate::geom::Vec3;
+use crate::geom::aabb::Aabb;
+use crate::ids::{FacetId, Id, VertexId};
+use crate::round::PLANAR_ULPS;
+use std::cmp::Reverse;
+
+/// Sine of the angle between planes below which TetGen might merge facets: 0.12 degrees.
+const MERGED_SINE: f64 = 2.1e-3;
+/// Sines below which facets are brought into one plane where that costs no shape (2.6 and 8.6 degrees), the easy ones first. The
+/// more, the fewer edges TetGen has to keep: with 0.03 at most, three_cylinders wholly remeshed needs a quarter more tetrahedra.
+const NEAR_SINES: [f64; 2] = [0.045, 0.15];
+/// Facets are in one plane if no corner is farther off than this fraction of the size.
+const COPLANAR: f64 = 1e-13;
+/// Smallest angle, in degrees, that bringing facets into one plane may leave.
+const FLAT_KEEPS: f64 = 40.0;
+/// Lengths of slides that are tried, in shortest edges at the vertex.
+const SLIDES: [f64; 6] = [0.005, 0.01, 0.02, 0.04, 0.08, 0.16];
+/// Newton steps to a plane along a curve; they start at a hundredth of the distance.
+const FOOT_STEPS: usize = 4;
+/// How often all edges are looked at; a move may bring another edge into trouble.
+const PASSES: usize = 2;
+
+/// Which edges are looked at, and what may be done.
+#[derive(Clone, Copy)]
+struct Aim {
+    /// Sine of the largest angle of a bend that is too weak.
+    sine: f64,
+    /// Distance off a plane that counts as none.
+    flat: f64,
+    /// Whether all has to be done that is legal, else only what costs no shape.
+    is_forced: bool,
+}
+
+/// The worth of a move, smallest best: a slide or a foot, bends mended, angles.
+type Rank = (bool, Reverse<usize>, f64);
+
+impl Workpiece {
+    /// Moves vertices until no two neighbouring facets are almost, but not quite, in one plane, as far as that is legal.
+    pub fn clear_bends(&mut self) {
+        let flat = COPLANAR * self.extent();
+        for (sine, is_forced) in NEAR_SINES.map(|s| (s, false)).into_iter().chain([(MERGED_SINE, true)]) {
+            let aim = Aim { sine, flat, is_forced };
+            for _ in 0..PASSES {
+                let weak: Vec<EdgeId> = self.active_edges().into_iter().filter(|&e| self.is_weak(e, aim)).collect();
+                let moved = weak.into_iter().filter(|&e| self.clear_bend(e, aim)).count();
+                if moved == 0 {
+                    break;
+                }
+            }
+        }
+    }
+
+    /// Makes polygons of neighbouring facets in one plane, but none with a corner that is straight but for rounding: TetGen 1.5
+    /// dies of these; it merges the facets itself.
+    pub fn merge_flat(&mut self) {
+        let flat = PLANAR_ULPS * f64::EPSILON * self.extent();
+        for edge in self.active_edges() {
+            let facets: Vec<FacetId> = self.brep.topology.facets_around(edge).collect();
+            if self.are_in_one_plane(&facets, flat)
+                && !self.leaves_straight_corner(edge)
+                && let Some(merged) = self.brep.merge_facets(edge)
+            {
+                self.is_treated[merged.index()] = false;
+            }
+        }
+    }
+
+    /// Whether all corners of some facets lie within `flat` of one plane.
+    fn are_in_one_plane(&self, facets: &[FacetId], flat: f64) -> bool {
+        let normal = facets.iter().map(|&f| self.area(f)).sum::<Vec3>().normalize();
+        let fins = facets.iter().flat_map(|&f| self.brep.topology.fins_of_facet(f));
+        let heights = fins.flat_map(|fin| self.brep.topology.fin_ends(fin)).map(|v| normal.dot(&self.point(v)));
+        let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+        high - low <= 2.0 * flat
+    }
+
+    /// Whether one of the facets at an edge goes straight on into the other at an end of the edge.
+    fn leaves_straight_corner(&self, edge: EdgeId) -> bool {
+        let topology = &self.brep.topology;
+        let fins: Vec<FinId> = topology.fins_around(edge).collect();
+        let goes_on = |f: FinId, g: FinId| {
+            let ([from, at], [_, to]) = (topology.fin_ends(topology.prev_fin(f)), topology.fin_ends(topology.next_fin(g)));
+            is_straight(&[from, at, to].map(|v| self.point(v)))
+        };
+        matches!(fins[..], [f, g] if goes_on(f, g) || goes_on(g, f))
+    }
+
+    /// Size of the model, or its distance from the origin if that is larger.
+    fn extent(&self) -> f64 {
+        let size = Aabb::around(self.brep.vertices.iter().map(|v| &v.point)).diagonal();
+        self.brep.vertices.iter().fold(size, |m, v| m.max(v.point.amax()))
+    }
+
+    /// Whether the facets at an edge are almost, but not quite, in one plane.
+    fn is_weak(&self, edge: EdgeId, aim: Aim) -> bool {
+        let mut facets = self.brep.topology.facets_around(edge);
+        let (Some(f), Some(g), None) = (facets.next(), facets.next(), facets.next()) else { return false };
+        let (m, n) = (self.normal(f), self.normal(g));
+        if self.brep.facets[f].marker != self.brep.facets[g].marker || m.cross(&n).norm() > aim.sine {
+            return false;
+        }
+        let start = self.point(self.brep.topology.ends(edge)[0]);
+        let is_off = |facet: FacetId, normal: &Vec3| {
+            let fins = self.brep.topology.fins_of_facet(facet);
+            fins.flat_map(|fin| self.brep.topology.fin_ends(fin)).any(|v| normal.dot(&(self.point(v) - start)).abs() > aim.flat)
+        };
+        is_off(f, &n) || is_off(g, &m)
+    }
+
+    fn weak_around(&self, star: &[FacetId], aim: Aim) -> usize {
+        let mut edges = self.edges_of(star);
+        edges.sort_unstable();
+        edges.dedup();
+        edges.into_iter().filter(|&e| self.is_weak(e, aim)).count()
+    }
+
+    fn area(&self, facet: FacetId) -> Vec3 {
+        let corners = self.brep.triangles(facet).map(|t| t.map(|v| self.point(v)));
+        corners.map(|[a, b, c]| (b - a).cross(&(c - a))).sum()
+    }
+
+    /// Unit normal of a facet.
+    fn normal(&self, facet: FacetId) -> Vec3 {
+        self.area(facet).try_normalize(0.0).unwrap_or_else(Vec3::zeros)
+    }
+
+    /// Makes the best move of a vertex of the facets at a weak edge; whether there is one.
+    fn clear_bend(&mut self, edge: EdgeId, aim: Aim) -> bool {
+        if !self.is_weak(edge, aim) {
+            return false;
+        }
+        let facets = self.brep.topology.facets_around(edge);
+        let mut vertices: Vec<VertexId> = facets.filter_map(|f| self.corners(f)).flatten().collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        let mut best: Option<(Rank, VertexId, Vec3)> = None;
+        for vertex in vertices {
+            let star = self.star(vertex);
+            let before = self.worst_at(vertex, &star);
+            let weak = self.weak_around(&star, aim);
+            let feet = self.feet(vertex, edge).into_iter().map(|to| (false, to));
+            let slides = if aim.is_forced { self.slides(vertex) } else { Vec::new() };
+            for (is_slide, to) in feet.chain(slides.into_iter().map(|to| (true, to))) {
+                let Some(after) = self.bent(vertex, &star, before, &to, aim) else { continue };
+                let from = std::mem::replace(&mut self.brep.vertices[vertex].point, to);
+                let mended = weak.saturating_sub(self.weak_around(&star, aim));
+                self.brep.vertices[vertex].point = from;
+                let rank = (is_slide, Reverse(mended), after.cosine);
+                if mended > 0 && best.as_ref().is_none_or(|b| rank < b.0) {
+                    best = Some((rank, vertex, to));
+                }
+            }
+        }
+        let Some((_, vertex, to)) = best else { return false };
+        self.relocate(vertex, to);
+        true
+    }
+
+    /// What the triangles around a vertex become if it moves there; `None` if that is not allowed.
+    fn bent(&self, vertex: VertexId, star: &[FacetId], before: Measure, to: &Vec3, aim: Aim) -> Option<Measure> {
+        let floor = if aim.is_forced { 1.0 } else { before.cosine.max(cosine_of_degrees(FLAT_KEEPS)) };
+        let Effect { after, .. } = self.plan_move(vertex, star, before, to, floor)?;
+        let is_near = after.excess <= before.excess.max(1.0) * self.bound.slack();
+        (is_near && !after.is_flipped).then_some(after)
+    }
+
+    /// Places of a vertex in the planes of those facets at an edge that it is not a corner of: the feet, or, on a curve, where the
+    /// curve passes through.
+    fn feet(&self, vertex: VertexId, edge: EdgeId) -> Vec<Vec3> {
+        let [start, end] = self.brep.topology.ends(edge);
+        if vertex == start || vertex == end {
+            return Vec::new();
+        }
+        let others = self.brep.topology.facets_around(edge).filter(|&f| self.corners(f).is_none_or(|t| !t.contains(&vertex)));
+        let origin = self.point(start);
+        others.filter_map(|f| self.foot_in_plane(vertex, &origin, &self.normal(f))).collect()
+    }
+
+    fn foot_in_plane(&self, vertex: VertexId, origin: &Vec3, normal: &Vec3) -> Option<Vec3> {
+        let height = |p: &Vec3| normal.dot(&(p - origin));
+        let mut at = self.point(vertex);
+        match self.place(vertex) {
+            Place::Corner => return None,
+            Place::Surface(_) => at -= normal * height(&at),
+            Place::Curve(curve) => {
+                for _ in 0..FOOT_STEPS {
+                    let tangent = self.curves[curve].closest(&at)?.tangent;
+                    at = self.home(vertex, &(at - tangent * (height(&at) / tangent.dot(normal))));
+                }
+            }
+        }
+        at.iter().all(|x| x.is_finite()).then_some(at)
+    }
+
+    /// Places near a vertex on its curve or surface.
+    fn slides(&self, vertex: VertexId) -> Vec<Vec3> {
+        let here = self.point(vertex);
+        let Some(directions) = self.directions(vertex, &here) else { return Vec::new() };
+        let shortest = self.brep.topology.neighbours(vertex).map(|n| (self.point(n) - here).norm());
+        let shortest = shortest.fold(f64::INFINITY, f64::min);
+        let steps = SLIDES.iter().flat_map(|s| directions.iter().map(move |d| here + d * (s * shortest)));
+        steps.map(|to| self.home(vertex, &to)).collect()
+    }
+}

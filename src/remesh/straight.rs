@@ -1,0 +1,67 @@
+//! Polygons that TetGen can take: planar, and without corners that are straight but for rounding, of which TetGen 1.5 dies.
+//!
+//! A plane beside remeshed facets has such corners on its straight edges. It is cut from there across; all pieces lie in one plane,
+//! and TetGen merges them.
+
+use super::pieces::cut_at;
+use crate::brep::complex::{Complex, ComplexFacet};
+use crate::geom::Vec3;
+use crate::geom::aabb::Aabb;
+use crate::geom::polygon::is_planar;
+use crate::geom::predicates::{Projection, orient2d};
+use crate::ids::{Id, IdVec, VertexId};
+use crate::round::PLANAR_ULPS;
+
+/// Sine of the turn below which a corner counts as straight.
+const STRAIGHT_SINE: f64 = 1e-9;
+
+/// Divides polygons that are no longer planar, strips beside curves that moved to the true surface, into their triangles, which are
+/// planar always, and cuts those with nearly straight corners.
+pub(super) fn cut_unsound(complex: &mut Complex) {
+    let points: Vec<Vec3> = complex.vertices.iter().map(|v| v.point).collect();
+    let extent = Aabb::around(&points).diagonal();
+    let flatness = PLANAR_ULPS * f64::EPSILON * points.iter().fold(extent, |m, p| m.max(p.amax()));
+    let mut facets = Vec::new();
+    for facet in std::mem::take(&mut complex.facets) {
+        let loops: Vec<Vec<u32>> = facet.loops.iter().map(|l| l.iter().map(|v| v.0).collect()).collect();
+        let walks: Vec<&[u32]> = loops.iter().map(|l| &l[..]).collect();
+        if facet.triangles.len() == 1 {
+            facets.push(facet);
+        } else if is_planar(&walks, &points, flatness) {
+            let corners = straight_corners(&facet.loops, &points);
+            facets.extend(cut_at(facet, &corners, &points));
+        } else {
+            facets.extend(triangles_of(&facet));
+        }
+    }
+    complex.facets = facets.into_iter().collect::<IdVec<_, _>>();
+}
+
+/// A facet for each of a facet's triangles.
+pub(super) fn triangles_of(facet: &ComplexFacet) -> impl Iterator<Item = ComplexFacet> + '_ {
+    facet.triangles.iter().map(|&t| ComplexFacet { loops: vec![t.to_vec()], triangles: vec![t], ..facet.clone() })
+}
+
+/// Corners of a polygon that are nearly, but not exactly, straight.
+fn straight_corners(loops: &[Vec<VertexId>], points: &[Vec3]) -> Vec<VertexId> {
+    let sides = [Vec3::x(), Vec3::y(), Vec3::z()].map(|axis| Projection::along(&axis));
+    let mut found = Vec::new();
+    for walk in loops.iter().filter(|w| w.len() > 2) {
+        for (k, &at) in walk.iter().enumerate() {
+            let n = walk.len();
+            let way = [walk[(k + n - 1) % n], at, walk[(k + 1) % n]].map(|v| points[v.index()]);
+            let [a, b, c] = &way;
+            let turns = |p: &Projection| orient2d(p.apply(a), p.apply(b), p.apply(c)) != 0;
+            if is_straight(&way) && sides.iter().any(turns) {
+                found.push(at);
+            }
+        }
+    }
+    found
+}
+
+/// Whether a way is straight at its middle point but for rounding.
+pub(super) fn is_straight([a, b, c]: &[Vec3; 3]) -> bool {
+    let (u, v) = (b - a, c - b);
+    u.cross(&v).norm() <= STRAIGHT_SINE * u.norm() * v.norm() && u.dot(&v) > 0.0
+}
