@@ -25,6 +25,9 @@ const NEAR_SINES: [f64; 2] = [0.045, 0.15];
 const COPLANAR: f64 = 1e-13;
 /// Smallest angle, in degrees, that bringing facets into one plane may leave.
 const FLAT_KEEPS: f64 = 40.0;
+/// Deviation is measured at the points of a triangle whose barycentric coordinates are multiples of one over this: vertices that
+/// left their surface for a plane add to the chords' deviation between the points that are looked at elsewhere.
+const SAMPLES: u32 = 4;
 /// Lengths of slides that are tried, in shortest edges at the vertex.
 const SLIDES: [f64; 6] = [0.005, 0.01, 0.02, 0.04, 0.08, 0.16];
 /// Newton steps to a plane along a curve; they start at a hundredth of the distance.
@@ -172,8 +175,23 @@ impl Workpiece {
     fn bent(&self, vertex: VertexId, star: &[FacetId], before: Measure, to: &Vec3, aim: Aim) -> Option<Measure> {
         let floor = if aim.is_forced { 1.0 } else { before.cosine.max(cosine_of_degrees(FLAT_KEEPS)) };
         let Effect { after, .. } = self.plan_move(vertex, star, before, to, floor)?;
-        let is_near = after.excess <= before.excess.max(1.0) * self.bound.slack();
+        let allowed = before.excess.max(1.0) * self.bound.slack();
+        let is_near = after.excess <= allowed && star.iter().all(|&f| self.sampled_excess(f, vertex, to) <= allowed);
         (is_near && !after.is_flipped).then_some(after)
+    }
+
+    /// Deviation of a triangle with one corner elsewhere, as a fraction of the bound, at a grid of points.
+    fn sampled_excess(&self, facet: FacetId, vertex: VertexId, to: &Vec3) -> f64 {
+        let (Some(corners), Some(support)) = (self.corners(facet), self.support(facet)) else { return 0.0 };
+        let [a, b, c] = corners.map(|v| if v == vertex { *to } else { self.point(v) });
+        let grid =
+            (0..=SAMPLES).flat_map(|i| (0..=SAMPLES - i).map(move |j| [i, j].map(|k| f64::from(k) / f64::from(SAMPLES))));
+        let points = grid.map(|[s, t]| a * s + b * t + c * (1.0 - s - t));
+        let excess = points.map(|p| {
+            let foot = support.closest(&p);
+            (foot.point - p).norm() / (self.bound.at(&foot) * self.share(facet))
+        });
+        excess.fold(0.0, f64::max)
     }
 
     /// Places of a vertex in the planes of those facets at an edge that it is not a corner of: the feet, or, on a curve, where the
