@@ -86,7 +86,7 @@ pub fn evaluate(scene: &Scene, solids: &[Solid], timings: &mut Timings) -> Outco
         Rounded::Valid { complex, repairs } => {
             Ok(Evaluation { complex, statistics: arrangement.statistics, repairs, warnings })
         }
-        Rounded::Broken { complex, violations } => Err(findings::broken(scene, &complex, &violations)),
+        Rounded::Broken { complex, faults } => Err(findings::broken(scene, &complex, &faults)),
     }
 }
 

@@ -9,9 +9,9 @@
 //! 3. `facets`: every polygon is triangulated over its vertices; a polygon that is not planar to rounding (contact moved its
 //!    vertices within the tolerance) is written as its triangles. Where an edge passes through a vertex of its own facet, the
 //!    vertex becomes one of the edge (`touching`).
-//! 4. The triangles are tested exactly against each other (`geom::embedding`). `regions`: volumes are joined across nested
-//!    components by exact rays, and numbered.
-//! 5. `repair`: where the test fails, the rounded triangles are cut against each other and rounded again. What fails in the end is
+//! 4. `regions`: volumes are joined across nested components by exact rays, and numbered.
+//! 5. `verify`: the triangles are tested exactly against each other, and the order of the facets around every edge.
+//! 6. `repair`: where that fails, the rounded triangles are cut against each other and rounded again. What fails in the end is
 //!    reported to the caller: a broken complex is never taken for a valid one.
 
 mod collapse;
@@ -21,12 +21,14 @@ mod freedom;
 mod regions;
 mod repair;
 mod touching;
+mod verify;
+
+pub use verify::Fault;
 
 use crate::arrangement::Arrangement;
 use crate::brep::complex::{Complex, ComplexFacet, ComplexSurface, ComplexVertex, KilledFacet};
 use crate::diag::Diagnostic;
 use crate::geom::Vec3;
-use crate::geom::embedding::{self, Violation};
 use crate::ids::{Id, IdVec, LeafId, RegionId, SurfaceId, VertexId};
 use crate::primitive::solid::{Freedom, Solid};
 use crate::select::{Selected, SelectedFacet};
@@ -34,9 +36,6 @@ use crate::select::{Selected, SelectedFacet};
 /// Units in the last place of the model's size (or of its distance from the origin, if that is larger: nothing finer can be
 /// written) within which a polygon's vertices lie in its plane.
 pub const PLANAR_ULPS: f64 = 4.0;
-
-/// Violations listed before giving up counting.
-const VIOLATION_LIMIT: usize = 64;
 
 /// A complex, or where rounding broke it.
 pub enum Rounded {
@@ -52,7 +51,7 @@ pub enum Rounded {
         /// Polygons with rounded vertices that make the broken complex.
         complex: Complex,
         /// Some of the places.
-        violations: Vec<Violation>,
+        faults: Vec<Fault>,
     },
 }
 
@@ -61,7 +60,7 @@ pub enum Rounded {
 pub struct Repairs {
     /// How often all facets were cut again; 0 almost always.
     pub rounds: u32,
-    /// Pairs of triangles that rounding made meet, up to a limit.
+    /// Pairs of triangles that rounding made meet or change sides, up to a limit.
     pub contacts: usize,
 }
 
@@ -94,9 +93,9 @@ pub fn round(
     let mut complex = Complex { surfaces, markers: std::mem::take(&mut selected.markers), ..Default::default() };
     fill(&mut complex, draft, reach)?;
     regions::number(&mut complex, &selected.part_of_volume)?;
-    let (repairs, violations) = settle(&mut complex, reach)?;
-    if !violations.is_empty() {
-        return Ok(Rounded::Broken { complex, violations });
+    let (repairs, faults) = settle(&mut complex, reach)?;
+    if !faults.is_empty() {
+        return Ok(Rounded::Broken { complex, faults });
     }
     freedom::assign(&mut complex, solids);
     complex.killed = killed(&selected, arrangement);
@@ -104,16 +103,16 @@ pub fn round(
 }
 
 /// Cuts the facets again until none meet where they must not; where they still do in the end.
-fn settle(complex: &mut Complex, reach: f64) -> Result<(Repairs, Vec<Violation>), Diagnostic> {
-    let mut violations = verify(complex);
-    let mut repairs = Repairs { rounds: 0, contacts: violations.len() };
-    while !violations.is_empty() && repairs.rounds < repair::MAX_ROUNDS {
+fn settle(complex: &mut Complex, reach: f64) -> Result<(Repairs, Vec<Fault>), Diagnostic> {
+    let mut faults = verify::faults(complex);
+    let mut repairs = Repairs { rounds: 0, contacts: faults.len() };
+    while !faults.is_empty() && repairs.rounds < repair::MAX_ROUNDS {
         let Ok(draft) = repair::cut_again(complex, reach) else { break };
         fill(complex, draft, reach)?;
-        violations = verify(complex);
+        faults = verify::faults(complex);
         repairs.rounds += 1;
     }
-    Ok((repairs, violations))
+    Ok((repairs, faults))
 }
 
 /// The selected facets; their sides are volumes.
@@ -158,13 +157,6 @@ fn fill(complex: &mut Complex, draft: Draft, reach: f64) -> Result<(), Diagnosti
     let vertex = |point| ComplexVertex { point, freedom: Freedom::Fixed };
     complex.vertices = points.into_iter().map(vertex).collect::<Vec<_>>().into();
     Ok(())
-}
-
-/// Where triangles meet that must not.
-fn verify(complex: &Complex) -> Vec<Violation> {
-    let points: Vec<Vec3> = complex.vertices.iter().map(|v| v.point).collect();
-    let flat: Vec<[u32; 3]> = complex.facets.iter().flat_map(|f| f.triangles.iter().map(|t| t.map(|v| v.0))).collect();
-    embedding::violations(&points, &flat, VIOLATION_LIMIT)
 }
 
 /// All surfaces of all leaves in order, and the surface of a leaf's facet.
