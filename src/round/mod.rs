@@ -9,10 +9,10 @@
 //! 3. `facets`: every polygon is triangulated over its vertices; a polygon that is not planar to rounding (contact moved its
 //!    vertices within the tolerance) is written as its triangles. Where an edge passes through a vertex of its own facet, the
 //!    vertex becomes one of the edge (`touching`).
-//! 4. `regions`: volumes are joined across nested components by exact rays, and numbered.
-//! 5. `verify`: the triangles are tested exactly against each other, and the order of the facets around every edge.
-//! 6. `repair`: where that fails, the rounded triangles are cut against each other and rounded again. What fails in the end is
+//! 4. `verify`: the triangles are tested exactly against each other, and the order of the facets around every edge.
+//! 5. `repair`: where that fails, the rounded triangles are cut against each other and rounded again. What fails in the end is
 //!    reported to the caller: a broken complex is never taken for a valid one.
+//! 6. `regions`: volumes are joined across nested components by exact rays, and numbered.
 
 mod collapse;
 mod dissolve;
@@ -29,7 +29,7 @@ use crate::arrangement::Arrangement;
 use crate::brep::complex::{Complex, ComplexFacet, ComplexSurface, ComplexVertex, KilledFacet};
 use crate::diag::Diagnostic;
 use crate::geom::Vec3;
-use crate::ids::{Id, IdVec, LeafId, RegionId, SurfaceId, VertexId};
+use crate::ids::{Id, IdVec, LeafId, PartId, RegionId, SurfaceId, VertexId};
 use crate::primitive::solid::{Freedom, Solid};
 use crate::select::{Selected, SelectedFacet};
 
@@ -92,27 +92,50 @@ pub fn round(
     dissolve::dissolve(&mut draft.loops, &draft.places, tolerance.max(reach));
     let mut complex = Complex { surfaces, markers: std::mem::take(&mut selected.markers), ..Default::default() };
     fill(&mut complex, draft, reach)?;
-    regions::number(&mut complex, &selected.part_of_volume)?;
-    let (repairs, faults) = settle(&mut complex, reach)?;
-    if !faults.is_empty() {
-        return Ok(Rounded::Broken { complex, faults });
-    }
+    let (repairs, checked) = settle(&mut complex, &mut selected.part_of_volume, reach)?;
+    let volumes = match checked {
+        Ok(volumes) => volumes,
+        Err(faults) => return Ok(Rounded::Broken { complex, faults }),
+    };
+    renumber(&mut complex, &selected.part_of_volume, volumes)?;
     freedom::assign(&mut complex, solids);
     complex.killed = killed(&selected, arrangement);
     Ok(Rounded::Valid { complex, repairs })
 }
 
-/// Cuts the facets again until none meet where they must not; where they still do in the end.
-fn settle(complex: &mut Complex, reach: f64) -> Result<(Repairs, Vec<Fault>), Diagnostic> {
-    let mut faults = verify::faults(complex);
-    let mut repairs = Repairs { rounds: 0, contacts: faults.len() };
-    while !faults.is_empty() && repairs.rounds < repair::MAX_ROUNDS {
+/// Cuts the facets again until they are a complex; what they enclose, or where they still are none in the end. `parts` are those
+/// of the volumes that are the sides of facets, and become those of regions if something is cut.
+fn settle(
+    complex: &mut Complex,
+    parts: &mut Vec<Option<PartId>>,
+    reach: f64,
+) -> Result<(Repairs, Result<verify::Volumes, Vec<Fault>>), Diagnostic> {
+    let mut checked = verify::check(complex);
+    let mut repairs = Repairs::default();
+    if let Err(faults) = &checked {
+        repairs.contacts = faults.len();
+        regions::number(complex, parts)?;
+        *parts = complex.regions.iter().map(|r| r.part).collect();
+    }
+    while checked.is_err() && repairs.rounds < repair::MAX_ROUNDS {
         let Ok(draft) = repair::cut_again(complex, reach) else { break };
         fill(complex, draft, reach)?;
-        faults = verify::faults(complex);
+        checked = verify::check(complex);
         repairs.rounds += 1;
     }
-    Ok((repairs, faults))
+    Ok((repairs, checked))
+}
+
+/// Regions are what the rounded facets enclose: rounding may close a neck that joined two of them.
+fn renumber(complex: &mut Complex, parts: &[Option<PartId>], (sides, count): verify::Volumes) -> Result<(), Diagnostic> {
+    let mut part_of_volume = vec![None; count];
+    for (facet, sides) in complex.facets.iter_mut().zip(sides) {
+        for (old, new) in facet.sides.iter_mut().zip(sides) {
+            part_of_volume[new as usize] = parts[old.index()];
+            *old = RegionId(new);
+        }
+    }
+    regions::number(complex, &part_of_volume)
 }
 
 /// The selected facets; their sides are volumes.

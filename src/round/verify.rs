@@ -9,6 +9,7 @@ use crate::geom::Vec3;
 use crate::geom::embedding;
 use crate::geom::lists::Lists;
 use crate::geom::radial::Axis;
+use crate::geom::union_find::UnionFind;
 use crate::ids::{FacetId, Id, RegionId, VertexId};
 
 /// Faults listed before giving up counting.
@@ -25,10 +26,16 @@ pub struct Fault {
     pub point: Vec3,
 }
 
-/// Some of the faults of a complex, none if it is one. O(n log n).
-pub fn faults(complex: &Complex) -> Vec<Fault> {
+/// Volumes in front of and behind every facet, and their number: sides that face each other across an edge have one volume.
+pub type Volumes = (Vec<[u32; 2]>, usize);
+
+/// What the facets enclose. O(n log n).
+///
+/// # Errors
+/// Some of the faults, if it is no complex.
+pub fn check(complex: &Complex) -> Result<Volumes, Vec<Fault>> {
     let met = contacts(complex);
-    if met.is_empty() { turned_over(complex) } else { met }
+    if met.is_empty() { volumes(complex) } else { Err(met) }
 }
 
 /// Facets that meet where they must not.
@@ -62,15 +69,19 @@ struct Use {
 }
 
 impl Use {
-    /// The regions that it faces clockwise and counter-clockwise about the edge.
+    /// The sides that look clockwise and counter-clockwise about the edge: twice the facet, plus one for its back.
+    fn sides(&self) -> [u32; 2] {
+        let front = 2 * self.facet.0;
+        if self.is_forward { [front + 1, front] } else { [front, front + 1] }
+    }
+    /// The regions there.
     fn regions(&self, complex: &Complex) -> [RegionId; 2] {
-        let [front, back] = complex.facets[self.facet].sides;
-        if self.is_forward { [back, front] } else { [front, back] }
+        self.sides().map(|s| complex.facets[FacetId(s / 2)].sides[s as usize % 2])
     }
 }
 
-/// Facets between which, around an edge, there is not one region.
-fn turned_over(complex: &Complex) -> Vec<Fault> {
+/// Joins the sides of facets around every edge; an error where they are not of one region.
+fn volumes(complex: &Complex) -> Result<Volumes, Vec<Fault>> {
     let count = complex.facets.iter().map(|f| 3 * f.triangles.len()).sum();
     let (mut uses, mut by_lower) = (Vec::with_capacity(count), Vec::with_capacity(count));
     for (facet, data) in complex.facets.enumerate() {
@@ -82,7 +93,8 @@ fn turned_over(complex: &Complex) -> Vec<Fault> {
         }
     }
     let at = Lists::new(complex.vertices.len(), &by_lower);
-    let (mut out, mut around) = (Vec::new(), Vec::new());
+    let (mut faults, mut around) = (Vec::new(), Vec::new());
+    let mut sides = UnionFind::new(2 * complex.facets.len());
     for lower in complex.vertices.ids() {
         around.clear();
         around.extend(at.of(lower.0).iter().map(|&k| uses[k as usize]));
@@ -92,13 +104,20 @@ fn turned_over(complex: &Complex) -> Vec<Fault> {
             if same.len() > 2 {
                 sort_around(complex, [lower, same[0].upper], same);
             }
-            out.extend(first_mismatch(complex, lower, same));
+            faults.extend(first_mismatch(complex, lower, same));
+            for (k, one) in same.iter().enumerate() {
+                sides.join(one.sides()[1], same[(k + 1) % same.len()].sides()[0]);
+            }
         }
-        if out.len() >= LIMIT {
+        if faults.len() >= LIMIT {
             break;
         }
     }
-    out
+    if !faults.is_empty() {
+        return Err(faults);
+    }
+    let (of_side, count) = sides.number();
+    Ok((of_side.chunks_exact(2).map(|s| [s[0], s[1]]).collect(), count))
 }
 
 /// Sorts counter-clockwise about an edge, exactly.
