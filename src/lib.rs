@@ -20,6 +20,7 @@ pub mod classify;
 pub mod cli;
 pub mod commands;
 pub mod contact;
+pub mod cull;
 pub mod diag;
 pub mod evaluate;
 pub mod geom;

@@ -72,7 +72,7 @@ pub fn contacts(mesh: &Mesh) -> Contacts {
 fn trees(mesh: &Mesh, is_parallel: bool) -> Vec<LeafTree> {
     let points = &mesh.input.points;
     let mut leaves: Vec<(Vec<[u32; 2]>, Vec<Aabb>)> = Vec::new();
-    for &t in &mesh.near {
+    for &t in mesh.near.iter().filter(|&&t| !mesh.fate_of(t).is_aside()) {
         let leaf = mesh.leaf_of(t) as usize;
         if leaves.len() <= leaf {
             leaves.resize_with(leaf + 1, Default::default);

@@ -50,6 +50,8 @@ impl EdgeSet {
     pub fn new(body: &Body, pairs: &[[u32; 2]]) -> Self {
         let mut is_active = vec![false; body.facet_count()];
         pairs.iter().flatten().for_each(|&f| is_active[f as usize] = true);
+        // What is set aside is near nothing, but its neighbours are, and it shares their edges.
+        (0..body.facet_count()).for_each(|f| is_active[f] |= body.fate(f as u32).is_aside());
         let active = is_active.iter().filter(|a| **a).count();
         let mut set = Self {
             edges: Vec::with_capacity(2 * active),

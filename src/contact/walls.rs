@@ -37,6 +37,8 @@ impl Walls {
         let mut inner: Vec<(u32, u32)> = Vec::new();
         for uses in set.uses.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
             if let &[(edge, _, f), (_, _, g)] = uses
+                && !body.fate(f).is_aside()
+                && !body.fate(g).is_aside()
                 && is_flat(f, g)
             {
                 sets.join(f, g);
