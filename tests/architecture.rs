@@ -17,7 +17,7 @@ const STAGES: [&str; 10] =
 /// The B-rep serves the stages from `primitive` on and knows only the degrees of freedom and surfaces of solids.
 const BREP: (&str, &[&str]) = ("brep", &["primitive"]);
 /// Stages that come before there is a complex.
-const WITHOUT_BREP: [&str; 5] = ["scene", "primitive", "cull", "contact", "arrangement", "classify"];
+const WITHOUT_BREP: [&str; 6] = ["scene", "primitive", "cull", "contact", "arrangement", "classify"];
 
 /// The rest: module and what it may use besides the base.
 const OTHERS: [(&str, &[&str]); 8] = [

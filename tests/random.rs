@@ -15,6 +15,8 @@ const COUNT: u64 = 60;
 /// rounded to a line (6276), facets that cross (49, 235, 547), an edge of a facet through a vertex of it (7043), a
 /// neck rounded shut (31194), a triangle of two facets (30601).
 const ONCE_BROKEN: [u64; 9] = [49, 235, 547, 5122, 5503, 6276, 7043, 31194, 30601];
+/// One seed in so many makes a pile, which takes as much time.
+const PILES: u64 = 8;
 /// What welding may change a volume by, relative to the volumes at hand: area times tolerance, with room for flat solids.
 const VOLUME_ERROR: f64 = 1e-7;
 
@@ -71,6 +73,27 @@ fn trees_keep_the_identities_of_sets() {
         expect(&format!("{told}difference and intersection"), rest.0 + both.0, first, scale)?;
         expect(&format!("{told}symmetric difference"), either.0 + both.0, any.0, scale)?;
         Ok(both.1 + any.1 + rest.1 + either.1)
+    });
+}
+
+/// Many solids over one place: what lies where the tree is constant is culled.
+#[test]
+fn piles_keep_the_identities_of_sets() {
+    run("piles", |random| {
+        if random.below(PILES) != 0 {
+            return Ok(0);
+        }
+        let [a, b] = [0; 2].map(|_| random.pile(24));
+        let together = |operation: &str| {
+            let built = build(&[("it", &format!("{operation}([{a}, {b}])")[..])])?;
+            Ok::<_, String>((built.volumes[0], built.repairs()))
+        };
+        let (both, any, rest) = (together("Intersection")?, together("Union")?, together("Difference")?);
+        let (first, second) = (volume(&a)?, volume(&b)?);
+        let scale = first + second;
+        expect(&format!("{a} and {b}: union and intersection"), any.0 + both.0, scale, scale)?;
+        expect(&format!("{a} and {b}: difference and intersection"), rest.0 + both.0, first, scale)?;
+        Ok(both.1 + any.1 + rest.1)
     });
 }
 

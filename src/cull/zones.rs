@@ -9,10 +9,13 @@ use crate::ids::LeafId;
 use crate::primitive::solid::Solid;
 use crate::scene::model::Scene;
 
-/// Halvings of a box: along each axis 64 boxes at most.
-const MAX_DEPTH: u32 = 18;
+/// Halvings of a box at most.
+const MAX_DEPTH: u32 = 24;
 /// Leaves in a box that are intersected faster than it is halved.
-const FEW: usize = 4;
+const FEW: usize = 6;
+/// Power of the slenderness of a box that weighs as much as the facets that are cut (of 0, 0.2, 0.5, 1 and 2 the fastest for 200
+/// turned cubes).
+const STRETCH: f64 = 0.2;
 /// Where a box is halved. Corners must not lie near, hence several; not at round parts, where facets lie.
 const HALVES: [f64; 6] = [0.5137, 0.4719, 0.5491, 0.4423, 0.5773, 0.4117];
 /// Distance of corners from the planes of boxes, in the model's size: no feature comes near the tolerance.
@@ -139,15 +142,33 @@ impl Solver<'_> {
         Some((0..facets.len()).map(fate).collect())
     }
 
-    /// Where to halve a box: across its longest side, clear of all corners.
+    /// Where to halve a box, clear of all corners: where few facets are cut, and across a long side.
     fn plane(&self, zone: &Zone, facets: &[Shape]) -> Option<(usize, f64)> {
         let Aabb { lo, hi } = zone.bounds;
-        let axis = (hi - lo).imax();
-        let is_clear = |&at: &f64| {
-            let corners = facets.iter().flat_map(|f| &f.corners);
-            corners.into_iter().all(|&v| (self.shapes.points[v as usize][axis] - at).abs() > self.clear)
+        let longest = (hi - lo).max();
+        let on_axis = |axis: usize| {
+            let length = hi[axis] - lo[axis];
+            let (at, cut) = HALVES.iter().find_map(|part| {
+                let at = lo[axis] + part * length;
+                Some((at, self.cut_by(facets, axis, at)?))
+            })?;
+            Some(((cut + 1) as f64 * libm::pow(longest / length, STRETCH), axis, at))
         };
-        HALVES.iter().map(|part| lo[axis] + part * (hi[axis] - lo[axis])).find(is_clear).map(|at| (axis, at))
+        let best = (0..3).filter_map(on_axis).min_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some((best.1, best.2))
+    }
+
+    /// How many facets a plane cuts, unless a corner is near.
+    fn cut_by(&self, facets: &[Shape], axis: usize, at: f64) -> Option<usize> {
+        let mut count = 0;
+        for facet in facets {
+            let heights = || facet.corners.iter().map(|&v| self.shapes.points[v as usize][axis] - at);
+            if heights().any(|h| h.abs() <= self.clear) {
+                return None;
+            }
+            count += usize::from(heights().any(|h| h < 0.0) && heights().any(|h| h > 0.0));
+        }
+        Some(count)
     }
 
     /// Solves both halves; pieces with one fate are one again.
