@@ -83,7 +83,7 @@ fn piles_keep_the_identities_of_sets() {
         if random.below(PILES) != 0 {
             return Ok(0);
         }
-        let [a, b] = [0; 2].map(|_| random.pile(24));
+        let [a, b] = [0; 2].map(|_| random.pile(18));
         let together = |operation: &str| {
             let built = build(&[("it", &format!("{operation}([{a}, {b}])")[..])])?;
             Ok::<_, String>((built.volumes[0], built.repairs()))

@@ -110,7 +110,7 @@ fn settle(
     parts: &mut Vec<Option<PartId>>,
     reach: f64,
 ) -> Result<(Repairs, Result<verify::Volumes, Vec<Fault>>), Diagnostic> {
-    let mut checked = verify::check(complex);
+    let mut checked = verify::check(complex, parts);
     let mut repairs = Repairs::default();
     if let Err(faults) = &checked {
         repairs.contacts = faults.len();
@@ -120,7 +120,7 @@ fn settle(
     while checked.is_err() && repairs.rounds < repair::MAX_ROUNDS {
         let Ok(draft) = repair::cut_again(complex, reach) else { break };
         fill(complex, draft, reach)?;
-        checked = verify::check(complex);
+        checked = verify::check(complex, parts);
         repairs.rounds += 1;
     }
     Ok((repairs, checked))
@@ -179,7 +179,27 @@ fn fill(complex: &mut Complex, draft: Draft, reach: f64) -> Result<(), Diagnosti
     complex.facets = facets::triangulate(loops, &points, reach)?.into_iter().map(facet).collect::<Vec<_>>().into();
     let vertex = |point| ComplexVertex { point, freedom: Freedom::Fixed };
     complex.vertices = points.into_iter().map(vertex).collect::<Vec<_>>().into();
+    drop_orphans(complex);
     Ok(())
+}
+
+/// Drops vertices whose facets were all rounded to lines.
+fn drop_orphans(complex: &mut Complex) {
+    let mut is_used = vec![false; complex.vertices.len()];
+    complex.facets.iter().flat_map(|f| f.loops.iter().flatten()).for_each(|v| is_used[v.index()] = true);
+    if is_used.iter().all(|&u| u) {
+        return;
+    }
+    let mut kept = IdVec::new();
+    let mut number = vec![VertexId(u32::MAX); is_used.len()];
+    for (v, vertex) in complex.vertices.enumerate().filter(|v| is_used[v.0.index()]) {
+        number[v.index()] = kept.push(*vertex);
+    }
+    for facet in complex.facets.iter_mut() {
+        let corners = facet.loops.iter_mut().flatten().chain(facet.triangles.iter_mut().flatten());
+        corners.for_each(|v| *v = number[v.index()]);
+    }
+    complex.vertices = kept;
 }
 
 /// All surfaces of all leaves in order, and the surface of a leaf's facet.

@@ -34,7 +34,9 @@ pub fn cut_again(complex: &Complex, reach: f64) -> Result<Draft, Diagnostic> {
     let (shells, count) = edges.shells(arrangement.cells.len(), |_| true);
     let region_of_shell = regions(complex, &arrangement, &shells, count)?;
     let sides: Vec<[RegionId; 2]> = shells.iter().map(|s| s.map(|s| region_of_shell[s as usize])).collect();
-    let kept: Vec<bool> = sides.iter().map(|s| s[0] != s[1]).collect();
+    // Regions of one part that touch are one from here on.
+    let part = |r: RegionId| complex.regions[r].part;
+    let kept: Vec<bool> = sides.iter().map(|s| part(s[0]) != part(s[1])).collect();
     let mut source = vec![0u32; kept.len()];
     let mut marker = vec![MarkerId(0); kept.len()];
     for cell in (0..kept.len()).filter(|&c| kept[c]) {

@@ -1,8 +1,8 @@
 //! Whether rounded facets are a complex: they meet in whole shared vertices and edges only, and around every edge the sides that
-//! face each other belong to one region.
+//! face each other belong to one part.
 //!
 //! The first does not follow from the second nor the second from the first: a triangle one unit in the last place wide, turned
-//! over about an edge that it shares, meets nothing that it must not, but faces the wrong region.
+//! over about an edge that it shares, meets nothing that it must not, but faces the wrong part.
 
 use crate::brep::complex::Complex;
 use crate::geom::Vec3;
@@ -10,7 +10,7 @@ use crate::geom::embedding;
 use crate::geom::lists::Lists;
 use crate::geom::radial::Axis;
 use crate::geom::union_find::UnionFind;
-use crate::ids::{FacetId, Id, RegionId, VertexId};
+use crate::ids::{FacetId, Id, PartId, VertexId};
 
 /// Faults listed before giving up counting.
 const LIMIT: usize = 64;
@@ -29,13 +29,13 @@ pub struct Fault {
 /// Volumes in front of and behind every facet, and their number: sides that face each other across an edge have one volume.
 pub type Volumes = (Vec<[u32; 2]>, usize);
 
-/// What the facets enclose. O(n log n).
+/// What the facets enclose; `parts` are those of their sides. O(n log n).
 ///
 /// # Errors
 /// Some of the faults, if it is no complex.
-pub fn check(complex: &Complex) -> Result<Volumes, Vec<Fault>> {
+pub fn check(complex: &Complex, parts: &[Option<PartId>]) -> Result<Volumes, Vec<Fault>> {
     let met = contacts(complex);
-    if met.is_empty() { volumes(complex) } else { Err(met) }
+    if met.is_empty() { volumes(complex, parts) } else { Err(met) }
 }
 
 /// Facets that meet where they must not.
@@ -74,14 +74,14 @@ impl Use {
         let front = 2 * self.facet.0;
         if self.is_forward { [front + 1, front] } else { [front, front + 1] }
     }
-    /// The regions there.
-    fn regions(&self, complex: &Complex) -> [RegionId; 2] {
-        self.sides().map(|s| complex.facets[FacetId(s / 2)].sides[s as usize % 2])
+    /// The parts there.
+    fn parts(&self, complex: &Complex, parts: &[Option<PartId>]) -> [Option<PartId>; 2] {
+        self.sides().map(|s| parts[complex.facets[FacetId(s / 2)].sides[s as usize % 2].index()])
     }
 }
 
-/// Joins the sides of facets around every edge; an error where they are not of one region.
-fn volumes(complex: &Complex) -> Result<Volumes, Vec<Fault>> {
+/// Joins the sides of facets around every edge; an error where they are not of one part.
+fn volumes(complex: &Complex, parts: &[Option<PartId>]) -> Result<Volumes, Vec<Fault>> {
     let count = complex.facets.iter().map(|f| 3 * f.triangles.len()).sum();
     let (mut uses, mut by_lower) = (Vec::with_capacity(count), Vec::with_capacity(count));
     for (facet, data) in complex.facets.enumerate() {
@@ -104,7 +104,7 @@ fn volumes(complex: &Complex) -> Result<Volumes, Vec<Fault>> {
             if same.len() > 2 {
                 sort_around(complex, [lower, same[0].upper], same);
             }
-            faults.extend(first_mismatch(complex, lower, same));
+            faults.extend(first_mismatch(complex, parts, lower, same));
             for (k, one) in same.iter().enumerate() {
                 sides.join(one.sides()[1], same[(k + 1) % same.len()].sides()[0]);
             }
@@ -127,8 +127,8 @@ fn sort_around(complex: &Complex, edge: [VertexId; 2], uses: &mut [Use]) {
     uses.sort_by(|x, y| axis.compare(reference, at(x.apex), at(y.apex)));
 }
 
-fn first_mismatch(complex: &Complex, lower: VertexId, uses: &[Use]) -> Option<Fault> {
-    let (n, of) = (uses.len(), |k: usize| uses[k].regions(complex));
+fn first_mismatch(complex: &Complex, parts: &[Option<PartId>], lower: VertexId, uses: &[Use]) -> Option<Fault> {
+    let (n, of) = (uses.len(), |k: usize| uses[k].parts(complex, parts));
     let k = (0..n).find(|&k| of(k)[1] != of((k + 1) % n)[0])?;
     let [a, b] = [lower, uses[k].upper].map(|v| complex.vertices[v].point);
     let facets = [uses[k].facet, uses[(k + 1) % n].facet];
