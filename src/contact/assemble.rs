@@ -36,8 +36,7 @@ pub(super) fn assemble(body: &Body, mut sheets: Sheets, tolerance: f64, names: N
     let is_shared = shared_points(body, &sheets);
     // What is set aside does not matter where it coincides.
     let is_aside = |o: &Owner| body.fate(body.first_facet[o.leaf.0 as usize] + o.facet).is_aside();
-    let can_coincide =
-        |d: &Draft| d.loops.iter().flatten().all(|&v| is_shared[v as usize]) && !d.owners.iter().any(is_aside);
+    let can_coincide = |d: &Draft| d.loops.iter().flatten().all(|&v| is_shared[v as usize]) && !d.owners.iter().any(is_aside);
     let mut errors = Tally::default();
     let mut all =
         Collector { last: IndexMap::with_capacity_and_hasher(starts.len(), Default::default()), ..Default::default() };
