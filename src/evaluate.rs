@@ -8,10 +8,11 @@
 //!
 //! # Steps
 //! ```text
-//! Solids ─ contact ─▶ Conforming ─ arrangement ─▶ Arrangement ─ classify ─▶ Classified ─ select ─▶ Selected ─ round ─▶ Complex
+//! Solids ─ cull ─▶ Solids ─ contact ─▶ Conforming ─ arrangement ─▶ Arrangement ─ classify ─▶ Classified ─ select ─▶ Selected ─ round ─▶ Complex
 //! ```
 //! | step | does | files |
 //! |---|---|---|
+//! | cull | sets aside what cannot reach the result, where many leaves lie over one place | `cull/` |
 //! | contact | welds and imprints what touches within the tolerance; the only tolerance | `contact/` |
 //! | arrangement | cuts triangles exactly over interned implicit points | `arrangement/{broad_phase,intersect,graph,crossings,subdivide,coincide}.rs`, signs in `point.rs`, `exact.rs` |
 //! | classify | sorts pieces around edges, spreads labels from one ray per component | `classify/{edges,labels,raycast}.rs` |
@@ -40,8 +41,9 @@ use crate::arrangement::{self, Statistics};
 use crate::brep::complex::Complex;
 use crate::classify;
 use crate::contact::{self, conforming::Conforming};
+use crate::cull::{self, Culled, Piece};
 use crate::diag::{Diagnostic, Outcome};
-use crate::ids::LeafId;
+use crate::ids::{Id, LeafId};
 use crate::primitive::solid::Solid;
 use crate::report::timing::Timings;
 use crate::round::{self, Repairs, Rounded};
@@ -71,11 +73,32 @@ const FINER: [f64; 2] = [1e-3, 1e-6];
 /// Contacts that cannot be resolved, parts without volume, forbidden overlaps and gaps, a result that rounding breaks; all that
 /// the failing step found.
 pub fn evaluate(scene: &Scene, solids: &[Solid], timings: &mut Timings) -> Outcome<Evaluation> {
-    let single = |d: Diagnostic| vec![d];
     let size = size::of(scene, solids);
-    let (conforming, mut warnings) = timings.measure("contact", || conform(scene, solids, size))?;
+    let culled = timings.measure("cull", || cull::cull(scene, solids, scene.tolerance * size));
+    // What is wrong with the pieces may be right with the whole.
+    if let Some(culled) = culled
+        && let Ok(evaluation) = evaluate_pieces(scene, solids, Some(&culled), size, timings)
+    {
+        return Ok(evaluation);
+    }
+    evaluate_pieces(scene, solids, None, size, timings)
+}
+
+fn evaluate_pieces(
+    scene: &Scene,
+    solids: &[Solid],
+    culled: Option<&Culled>,
+    size: f64,
+    timings: &mut Timings,
+) -> Outcome<Evaluation> {
+    let single = |d: Diagnostic| vec![d];
+    let (cut, pieces) = culled.map_or((solids, &[][..]), |c| (&c.solids, &c.pieces));
+    let (mut conforming, mut warnings) = timings.measure("contact", || conform(scene, cut, pieces, size))?;
     let tolerance = conforming.tolerance;
-    warnings.extend(timings.measure("gaps", || findings::gaps(scene, solids, &conforming))?);
+    warnings.extend(timings.measure("gaps", || findings::gaps(scene, cut, &conforming))?);
+    for owner in conforming.cells.iter_mut().flat_map(|c| &mut c.owners) {
+        owner.facet = pieces.get(owner.leaf.index()).map_or(owner.facet, |p| p[owner.facet as usize].facet);
+    }
     let arrangement = timings.measure("arrangement", || arrangement::arrange(&conforming));
     let classified = timings.measure("classify", || classify::classify(&arrangement)).map_err(single)?;
     let selected = timings.measure("select", || select::select(scene, solids, &arrangement, &classified));
@@ -86,17 +109,17 @@ pub fn evaluate(scene: &Scene, solids: &[Solid], timings: &mut Timings) -> Outco
         Rounded::Valid { complex, repairs } => {
             Ok(Evaluation { complex, statistics: arrangement.statistics, repairs, warnings })
         }
-        Rounded::Broken { complex, violations } => Err(findings::broken(scene, &complex, &violations)),
+        Rounded::Broken { complex, faults } => Err(findings::broken(scene, &complex, &faults)),
     }
 }
 
 /// Welds and imprints with the tolerance of the scene, or where features come near it with a smaller one.
-fn conform(scene: &Scene, solids: &[Solid], size: f64) -> Outcome<(Conforming, Vec<Diagnostic>)> {
+fn conform(scene: &Scene, solids: &[Solid], pieces: &[Vec<Piece>], size: f64) -> Outcome<(Conforming, Vec<Diagnostic>)> {
     let name = |leaf: LeafId| findings::leaf_name(scene, leaf);
     let asked = scene.tolerance * size;
     let attempt = |share: f64| {
         let own: Vec<Option<f64>> = scene.leaves.iter().map(|l| l.tolerance.map(|t| share * t * size)).collect();
-        contact::conform(solids, share * asked, &own, &name)
+        contact::conform(solids, pieces, share * asked, &own, &name)
     };
     let faults = match attempt(1.0) {
         Ok(conforming) => return Ok((conforming, Vec::new())),

@@ -3,6 +3,7 @@
 //! ```text
 //! scene.ron -- scene ------> parts as CSG trees with resolved numbers
 //!           -- primitive --> leaf solids: closed shells of facets, each with its surface
+//!           -- cull -------> where many leaves lie over one place, what cannot reach the result is set aside
 //!           -- contact ----> what is meant to touch shares vertices; the one place with a tolerance
 //!           -- arrangement > leaves cut against each other, exactly; conforming cells
 //!           -- classify ---> labels: in or out of every leaf
@@ -20,6 +21,7 @@ pub mod classify;
 pub mod cli;
 pub mod commands;
 pub mod contact;
+pub mod cull;
 pub mod diag;
 pub mod evaluate;
 pub mod geom;

@@ -7,10 +7,14 @@ use crate::geom::bvh::Bvh;
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 
-/// Candidate pairs from which on the work is shared between threads: below, handing it out costs more than it saves.
-const PARALLEL_PAIRS: usize = 4096;
+/// Triangles or pairs from which on the work is shared between threads: below, handing it out costs more than it saves.
+const PARALLEL_FROM: usize = 4096;
+/// Candidate pairs that are gathered before they are looked at: enough to share between threads. Of needles that lie nearly in one
+/// plane there may be a thousand candidates to a contact, which should not all be kept.
+const BATCH: usize = 1 << 16;
 
 /// Pairs that meet, by first and then second triangle.
+#[derive(Default)]
 pub struct Contacts {
     /// First triangle, second triangle (larger number), where they meet.
     pub found: Vec<(u32, u32, Contact)>,
@@ -18,39 +22,34 @@ pub struct Contacts {
     pub candidates: u64,
 }
 
+impl Contacts {
+    /// Looks at pairs, smaller number first, and forgets them.
+    fn add(&mut self, mesh: &Mesh, pairs: &mut Vec<[u32; 2]>) {
+        self.candidates += pairs.len() as u64;
+        let meet = |&[t, u]: &[u32; 2]| intersect(&mesh.corners(t), &mesh.corners(u)).map(|c| (t, u, c));
+        if pairs.len() < PARALLEL_FROM {
+            self.found.extend(pairs.iter().filter_map(meet));
+        } else {
+            self.found.par_extend(pairs.par_iter().with_min_len(PARALLEL_FROM / 4).filter_map(meet));
+        }
+        pairs.clear();
+    }
+
+    fn append(mut self, mut other: Self) -> Self {
+        self.found.append(&mut other.found);
+        self.candidates += other.candidates;
+        self
+    }
+}
+
+/// The triangles of one leaf near another, each with its sheet, which tells most pairs apart, and their boxes.
+type LeafTree = (Vec<[u32; 2]>, Bvh);
+
 /// Finds all contacts between triangles that have no leaf in common, since a leaf is valid in itself, nor a sheet, since contact
 /// has made its cells conform.
 pub fn contacts(mesh: &Mesh) -> Contacts {
-    let pairs = candidates(mesh);
-    let meet = |&[t, u]: &[u32; 2]| intersect(&mesh.corners(t), &mesh.corners(u)).map(|c| (t, u, c));
-    let found = if pairs.len() < PARALLEL_PAIRS {
-        pairs.iter().filter_map(meet).collect()
-    } else {
-        pairs.par_iter().with_min_len(PARALLEL_PAIRS / 4).filter_map(meet).collect()
-    };
-    Contacts { found, candidates: pairs.len() as u64 }
-}
-
-/// Pairs with overlapping boxes, sorted. Every leaf has a tree of its own, of its triangles near another leaf, so that the many
-/// neighbours within one leaf are never looked at.
-fn candidates(mesh: &Mesh) -> Vec<[u32; 2]> {
-    let points = &mesh.input.points;
-    // Triangles with their sheets, which tell most pairs apart, and boxes.
-    let mut leaves: Vec<(Vec<[u32; 2]>, Vec<Aabb>)> = Vec::new();
-    for &t in &mesh.near {
-        let leaf = mesh.leaf_of(t) as usize;
-        if leaves.len() <= leaf {
-            leaves.resize_with(leaf + 1, Default::default);
-        }
-        leaves[leaf].0.push([t, mesh.sheet_of(t)]);
-        leaves[leaf].1.push(Aabb::around(mesh.triangles[t as usize].map(|v| &points[v as usize])));
-    }
-    let is_parallel = mesh.near.len() >= PARALLEL_PAIRS;
-    let trees: Vec<(Vec<[u32; 2]>, Bvh)> = if is_parallel {
-        leaves.into_par_iter().map(|(triangles, boxes)| (triangles, Bvh::new(boxes))).collect()
-    } else {
-        leaves.into_iter().map(|(triangles, boxes)| (triangles, Bvh::new(boxes))).collect()
-    };
+    let is_parallel = mesh.near.len() >= PARALLEL_FROM;
+    let trees = trees(mesh, is_parallel);
     let crowd = Bvh::new(trees.iter().map(|t| t.1.bounds()).collect());
     let mut near: Vec<[u32; 2]> = Vec::new();
     for task in crowd.pair_tasks(1) {
@@ -59,21 +58,48 @@ fn candidates(mesh: &Mesh) -> Vec<[u32; 2]> {
             ControlFlow::Continue(())
         });
     }
-    let join = |&[a, b]: &[u32; 2]| {
-        let ((first, tree), (second, other)) = (&trees[a as usize], &trees[b as usize]);
-        // Pairs as one number each: those are sorted in half the time.
-        let mut found: Vec<u64> = Vec::new();
-        tree.pairs(other, 0.0, |i, j| {
-            let ([t, mine], [u, yours]) = (first[i as usize], second[j as usize]);
-            if mine != yours && !mesh.has_common_leaf(t, u) {
-                found.push(u64::from(t.min(u)) << 32 | u64::from(t.max(u)));
-            }
-            ControlFlow::Continue(())
-        });
-        found
+    let join = |&[a, b]: &[u32; 2]| between(mesh, &trees[a as usize], &trees[b as usize]);
+    let mut all = if is_parallel {
+        near.par_iter().map(join).reduce(Contacts::default, Contacts::append)
+    } else {
+        near.iter().map(join).fold(Contacts::default(), Contacts::append)
     };
-    let mut pairs: Vec<u64> =
-        if is_parallel { near.par_iter().flat_map_iter(join).collect() } else { near.iter().flat_map(join).collect() };
-    pairs.sort_unstable();
-    pairs.into_iter().map(|p| [(p >> 32) as u32, p as u32]).collect()
+    all.found.sort_unstable_by_key(|c| (c.0, c.1));
+    all
+}
+
+/// Every leaf has a tree of its own, so that the many neighbours within one leaf are never looked at.
+fn trees(mesh: &Mesh, is_parallel: bool) -> Vec<LeafTree> {
+    let points = &mesh.input.points;
+    let mut leaves: Vec<(Vec<[u32; 2]>, Vec<Aabb>)> = Vec::new();
+    for &t in mesh.near.iter().filter(|&&t| !mesh.fate_of(t).is_aside()) {
+        let leaf = mesh.leaf_of(t) as usize;
+        if leaves.len() <= leaf {
+            leaves.resize_with(leaf + 1, Default::default);
+        }
+        leaves[leaf].0.push([t, mesh.sheet_of(t)]);
+        leaves[leaf].1.push(Aabb::around(mesh.triangles[t as usize].map(|v| &points[v as usize])));
+    }
+    if is_parallel {
+        leaves.into_par_iter().map(|(triangles, boxes)| (triangles, Bvh::new(boxes))).collect()
+    } else {
+        leaves.into_iter().map(|(triangles, boxes)| (triangles, Bvh::new(boxes))).collect()
+    }
+}
+
+/// Contacts between the triangles of two leaves, in any order.
+fn between(mesh: &Mesh, (first, tree): &LeafTree, (second, other): &LeafTree) -> Contacts {
+    let (mut found, mut pairs) = (Contacts::default(), Vec::new());
+    tree.pairs(other, 0.0, |i, j| {
+        let ([t, mine], [u, yours]) = (first[i as usize], second[j as usize]);
+        if mine != yours && !mesh.has_common_leaf(t, u) {
+            pairs.push([t.min(u), t.max(u)]);
+            if pairs.len() == BATCH {
+                found.add(mesh, &mut pairs);
+            }
+        }
+        ControlFlow::Continue(())
+    });
+    found.add(mesh, &mut pairs);
+    found
 }

@@ -3,6 +3,7 @@
 use super::intersect::{Contact, Corners, Hit, Meeting, Spot};
 use super::point::{Points, Source};
 use crate::contact::conforming::{Conforming, Owner};
+use crate::cull::Fate;
 use crate::geom::hash::{IndexMap, IndexSet};
 use crate::geom::predicates::Projection;
 use std::cmp::Ordering;
@@ -74,6 +75,11 @@ impl<'a> Mesh<'a> {
     /// Sheet of a triangle's cell.
     pub fn sheet_of(&self, t: u32) -> u32 {
         self.input.cells[self.input.cell_of_triangle[t as usize] as usize].sheet
+    }
+
+    /// What is known to become of a triangle's cell.
+    pub fn fate_of(&self, t: u32) -> Fate {
+        self.input.cells[self.input.cell_of_triangle[t as usize] as usize].fate
     }
 
     /// First leaf of a triangle.

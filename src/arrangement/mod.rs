@@ -32,6 +32,7 @@ pub mod point;
 mod subdivide;
 
 use crate::contact::conforming::{Conforming, Owner};
+use crate::cull::Fate;
 use crate::geom::embedding::projection_of;
 use crate::geom::predicates::Projection;
 use point::Points;
@@ -118,6 +119,10 @@ impl<'a> SubCells<'a> {
             None => &self.input.cells[list].owners,
             Some(k) => &self.coinciding[k],
         }
+    }
+    /// What is known to become of a piece.
+    pub fn fate_of(&self, cell: usize) -> Fate {
+        self.input.cells[self.input.cell_of_triangle[self.triangle[cell] as usize] as usize].fate
     }
     /// All loops' vertices, one after the other; position k is a corner, the start of one directed edge.
     pub fn corners(&self) -> &[u32] {

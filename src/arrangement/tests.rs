@@ -29,6 +29,7 @@ pub fn boxes(list: &[[[f64; 3]; 2]]) -> Conforming {
                 loops: vec![quad.to_vec()],
                 sheet: cell,
                 is_near: true,
+                fate: Default::default(),
             });
             for t in polygon::triangulate(&[&quad], &[], &[], &out.points).unwrap() {
                 out.triangles.push(t);

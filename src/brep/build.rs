@@ -8,11 +8,11 @@
 
 use super::complex::{Complex, ComplexFacet};
 use super::model::{Brep, FacetData};
-use super::radial::Axis;
 use super::store::{Arena, Region as RegionLinks};
 use super::store::{EdgeId, FaceUseId, Fin, FinId, HalfEdgeId, Loop, LoopId, Nil, ShellId, Side, Topology};
 use crate::diag::{Diagnostic, Outcome};
 use crate::geom::Vec3;
+use crate::geom::radial::Axis;
 use crate::ids::{FacetId, Id, IdVec, RegionId, VertexId};
 use std::cmp::Ordering;
 

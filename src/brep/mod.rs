@@ -8,7 +8,6 @@ pub mod euler;
 mod genus;
 pub mod local;
 pub mod model;
-mod radial;
 mod splice;
 pub mod store;
 mod tiles;

@@ -2,6 +2,7 @@
 
 use crate::arrangement::Arrangement;
 use crate::arrangement::projection_of_triangle;
+use crate::cull::Fate;
 use crate::diag::Diagnostic;
 use crate::geom::Vec3;
 use crate::geom::lists::Lists;
@@ -35,12 +36,13 @@ impl EdgeUses {
         let mut by_lower: Vec<(u32, u32)> = Vec::with_capacity(corners.len());
         for (range, cell) in cells.loop_ranges() {
             let (start, end) = (range.start, range.end);
+            let is_copy = cells.fate_of(cell) == Fate::Copy;
             for k in range {
                 cell_of[k] = cell as u32;
                 next[k] = if k + 1 == end { start } else { k + 1 } as u32;
                 let (a, b) = (corners[k], corners[next[k] as usize]);
                 is_forward[k] = a < b;
-                if a != b {
+                if a != b && !is_copy {
                     by_lower.push((a.min(b), k as u32));
                 }
             }
@@ -77,7 +79,10 @@ impl EdgeUses {
             start = end;
             match group.len() {
                 0 | 2 => {}
-                1 => return Err(self.open_edge(arrangement, self.uses[group.start])),
+                1 if !self.may_end(arrangement, self.uses[group.start]) => {
+                    return Err(self.open_edge(arrangement, self.uses[group.start]));
+                }
+                1 => {}
                 _ => {
                     let mut fans: Vec<Fan> = self.uses[group.clone()].iter().map(|&c| self.fan(arrangement, c)).collect();
                     sort_fans(arrangement, &mut fans)?;
@@ -88,6 +93,12 @@ impl EdgeUses {
             }
         }
         Ok(())
+    }
+
+    /// Whether a piece need not go on beyond its edge: facets that coincide end it together, or it does not matter.
+    fn may_end(&self, arrangement: &Arrangement, corner: u32) -> bool {
+        let cell = self.cell_of[corner as usize] as usize;
+        arrangement.cells.owners_of(cell).len() > 1 || arrangement.cells.fate_of(cell) != Fate::Live
     }
 
     fn open_edge(&self, arrangement: &Arrangement, corner: u32) -> Diagnostic {
@@ -116,21 +127,30 @@ impl EdgeUses {
         let (apex, side) = off.unwrap_or((order[0], 1));
         let is_forward = self.is_forward[corner as usize];
         // The piece lies to the left of its own directed edge.
-        Fan { corner, is_forward, triangle, projection, line: if is_forward { [a, b] } else { [b, a] }, apex, side }
+        let line = if is_forward { [a, b] } else { [b, a] };
+        let is_live = arrangement.cells.fate_of(self.cell_of[corner as usize] as usize) == Fate::Live;
+        Fan { corner, is_forward, triangle, projection, line, apex, side, is_live }
     }
 
-    /// Shells on the front and back of each of `count` sub-cells, and the number of shells.
-    pub fn shells(&self, count: usize) -> (Vec<[u32; 2]>, usize) {
-        let mut sets = UnionFind::new(2 * count);
-        for group in self.groups() {
-            for (k, &corner) in group.iter().enumerate() {
-                let following = group[(k + 1) % group.len()];
-                let (i, j) = (corner as usize, following as usize);
+    /// Pairs of sides that face each other across an edge: twice the sub-cell, plus one for its back.
+    pub fn facing(&self) -> impl Iterator<Item = [u32; 2]> {
+        self.groups().flat_map(move |group| {
+            (0..group.len()).map(move |k| {
+                let (i, j) = (group[k] as usize, group[(k + 1) % group.len()] as usize);
                 // Turning counter-clockwise one leaves a forward piece at its front, and meets a forward piece at its back.
                 let leaves = 2 * self.cell_of[i] + u32::from(!self.is_forward[i]);
                 let meets = 2 * self.cell_of[j] + u32::from(self.is_forward[j]);
-                sets.join(leaves, meets);
-            }
+                [leaves, meets]
+            })
+        })
+    }
+
+    /// Shells on the front and back of each of `count` sub-cells, and the number of shells. Sides of cells for which
+    /// `is_joined` does not hold are shells of their own.
+    pub fn shells(&self, count: usize, is_joined: impl Fn(usize) -> bool) -> (Vec<[u32; 2]>, usize) {
+        let mut sets = UnionFind::new(2 * count);
+        for pair in self.facing().filter(|p| p.iter().all(|&side| is_joined(side as usize / 2))) {
+            sets.join(pair[0], pair[1]);
         }
         let (set, total) = sets.number();
         (set.chunks_exact(2).map(|s| [s[0], s[1]]).collect(), total)
@@ -150,6 +170,8 @@ struct Fan {
     apex: u32,
     /// +1 if the apex is on the same side of the line as the piece.
     side: Sign,
+    /// Whether it matters if another coincides with it.
+    is_live: bool,
 }
 
 /// Sign of the turn about the edge from piece `i` to piece `j`: +1 if j is less than half a turn counter-clockwise; 0 if both lie
@@ -179,7 +201,7 @@ fn sort_fans(arrangement: &Arrangement, fans: &mut [Fan]) -> Result<(), Diagnost
             -1 => 3,
             _ => {
                 // A piece that touches the edge from both sides (the edge ends inside it) is there twice, on opposite sides.
-                is_broken |= alike(arrangement, &reference, fan) > 0;
+                is_broken |= reference.is_live && fan.is_live && alike(arrangement, &reference, fan) > 0;
                 2
             }
         };
@@ -193,7 +215,8 @@ fn sort_fans(arrangement: &Arrangement, fans: &mut [Fan]) -> Result<(), Diagnost
         })
     });
     for pair in keyed.windows(2) {
-        is_broken |= pair[0].0 == pair[1].0 && turn(arrangement, &pair[0].1, &pair[1].1) == 0;
+        let [(p, a), (q, b)] = [pair[0], pair[1]];
+        is_broken |= a.is_live && b.is_live && p == q && turn(arrangement, &a, &b) == 0;
     }
     if is_broken {
         let at: Vec3 = arrangement.points.at(reference.line[0]);

@@ -3,6 +3,7 @@
 use super::raycast::Rays;
 use crate::arrangement::Arrangement;
 use crate::contact::conforming::Owner;
+use crate::cull::Fate;
 use crate::diag::Diagnostic;
 use crate::geom::hash::IndexMap;
 use crate::geom::lists::Lists;
@@ -72,7 +73,7 @@ pub fn spread(arrangement: &Arrangement, shells: &[[u32; 2]], count: usize) -> R
     // The first piece of each component that a ray can start from.
     for cell in 0..shells.len() {
         let seed = shells[cell][0];
-        if label_of[seed as usize] != u32::MAX {
+        if label_of[seed as usize] != u32::MAX || cells.fate_of(cell) != Fate::Live {
             continue;
         }
         let Some(set) = rays.label_in_front(cell)? else { continue };
@@ -99,7 +100,8 @@ pub fn spread(arrangement: &Arrangement, shells: &[[u32; 2]], count: usize) -> R
             }
         }
     }
-    if label_of.contains(&u32::MAX) {
+    let has_label = |cell: usize| shells[cell].iter().all(|&s| label_of[s as usize] != u32::MAX);
+    if !(0..shells.len()).all(|cell| cells.fate_of(cell) != Fate::Live || has_label(cell)) {
         return Err(Diagnostic::internal("no-inner-point", "no piece of a component has a place to cast a ray from"));
     }
     Ok((label_of, labels.sets))

@@ -110,6 +110,9 @@ impl<'a> Rays<'a> {
         let input = self.arrangement.input;
         let ids = input.triangles[triangle as usize];
         let [a, b, c] = ids.map(|v| &input.points[v as usize]);
+        if !Aabb::around([a, b, c]).may_meet(&from.near, to) {
+            return Some(false);
+        }
         let above = orient3d(a, b, c, to);
         let below = self.orient(from, [Some(ids[0]), Some(ids[1]), Some(ids[2])], to);
         if above == 0 || below == 0 || above == below {

@@ -6,6 +6,7 @@ use super::cells::{self, Draft, Tangled};
 use super::conforming::{Cell, Conforming, Owner};
 use super::sheets::Sheets;
 use super::weld::MAX_MESSAGES;
+use crate::cull::Fate;
 use crate::diag::{Diagnostic, Outcome, Tally};
 use crate::geom::hash::IndexMap;
 use crate::geom::polygon;
@@ -33,7 +34,9 @@ pub(super) fn assemble(body: &Body, mut sheets: Sheets, tolerance: f64, names: N
     let drafts: Vec<_> =
         if starts.len() >= PARALLEL_FROM { starts.par_iter().map(draft).collect() } else { starts.iter().map(draft).collect() };
     let is_shared = shared_points(body, &sheets);
-    let can_coincide = |d: &Draft| d.loops.iter().flatten().all(|&v| is_shared[v as usize]);
+    // What is set aside does not matter where it coincides.
+    let is_aside = |o: &Owner| body.fate(body.first_facet[o.leaf.0 as usize] + o.facet).is_aside();
+    let can_coincide = |d: &Draft| d.loops.iter().flatten().all(|&v| is_shared[v as usize]) && !d.owners.iter().any(is_aside);
     let mut errors = Tally::default();
     let mut all =
         Collector { last: IndexMap::with_capacity_and_hasher(starts.len(), Default::default()), ..Default::default() };
@@ -174,7 +177,12 @@ fn finish(body: &Body, drafts: Vec<Draft>, tolerance: f64, is_near: impl Fn(u32)
         }
         out.cell_of_triangle.resize(out.triangles.len() + draft.triangles.len(), out.cells.len() as u32);
         out.triangles.extend(&draft.triangles);
+        let fate = |o: &Owner| {
+            let fate = body.fate(body.first_facet[o.leaf.0 as usize] + o.facet);
+            if o.is_flipped { fate.turned() } else { fate }
+        };
         out.cells.push(Cell {
+            fate: draft.owners.iter().map(fate).find(|f| *f != Fate::Live).unwrap_or_default(),
             is_near: draft.owners.iter().any(|o| is_near(body.first_facet[o.leaf.0 as usize] + o.facet)),
             owners: draft.owners,
             loops: draft.loops,

@@ -3,6 +3,7 @@
 use super::conforming::Owner;
 use super::outline::sides;
 use super::weld::{self, PointGrid, Welded};
+use crate::cull::{Fate, Piece};
 use crate::diag::{Name, Outcome};
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
@@ -30,17 +31,20 @@ pub(super) struct Body<'a> {
     pub point_of_vertex: Vec<u32>,
     pub points: Vec<Vec3>,
     pub grid: PointGrid,
+    /// What is known to become of every facet; empty if nothing is.
+    fates: Vec<Fate>,
 }
 
 impl<'a> Body<'a> {
     /// Numbers facets and welds vertices.
-    pub fn new(solids: &'a [Solid], tolerance: f64, own: &[Option<f64>], names: Names) -> Outcome<Self> {
+    pub fn new(solids: &'a [Solid], pieces: &[Vec<Piece>], tolerance: f64, own: &[Option<f64>], names: Names) -> Outcome<Self> {
         let reach = solids.iter().flat_map(|s| &s.vertices).fold(0.0, |m: f64, v| m.max(v.point.amax()));
         let floor = SMALLEST_TOLERANCE_ULPS * f64::EPSILON * reach.max(f64::MIN_POSITIVE);
         let tolerances: Vec<f64> =
             (0..solids.len()).map(|k| own.get(k).copied().flatten().unwrap_or(tolerance).max(floor)).collect();
         let welded = weld::weld(solids, &tolerances, names)?;
-        Ok(Self::with(solids, tolerances, welded))
+        let fates = pieces.iter().flatten().map(|p| p.fate).collect();
+        Ok(Self { fates, ..Self::with(solids, tolerances, welded) })
     }
     /// Numbers facets; every vertex stays a point of its own.
     pub fn apart(solids: &'a [Solid], tolerance: f64) -> Self {
@@ -57,12 +61,16 @@ impl<'a> Body<'a> {
             first_vertex.push(first_vertex[k] + solid.vertices.len() as u32);
         }
         let Welded { points, point_of_vertex, grid } = welded;
-        Self { solids, tolerances, first_facet, leaf_of_facet, first_vertex, point_of_vertex, points, grid }
+        Self { solids, tolerances, first_facet, leaf_of_facet, first_vertex, point_of_vertex, points, grid, fates: Vec::new() }
     }
 
     /// The tolerance between two leaves: the coarser of theirs.
     pub fn tolerance(&self, a: u32, b: u32) -> f64 {
         self.tolerances[a as usize].max(self.tolerances[b as usize])
+    }
+    /// What is known to become of a facet.
+    pub fn fate(&self, facet: u32) -> Fate {
+        self.fates.get(facet as usize).copied().unwrap_or_default()
     }
     /// Number of facets of all leaves.
     pub fn facet_count(&self) -> usize {
@@ -90,6 +98,11 @@ impl<'a> Body<'a> {
         let Some(&first) = loops.first().and_then(|w| w.first()) else { return Vec3::zeros() };
         let side = |[a, b]: [u32; 2]| (at(a) - at(first)).cross(&(at(b) - at(first)));
         sides(loops).map(side).sum::<Vec3>().try_normalize(0.0).unwrap_or(Vec3::zeros())
+    }
+    /// The box of the first corner of a facet before the weld.
+    pub fn corner_bounds(&self, facet: u32) -> Aabb {
+        let vertices = &self.solids[self.leaf_of_facet[facet as usize] as usize].vertices;
+        Aabb::around(self.own_loops(facet).iter().flatten().take(1).map(|&v| &vertices[v as usize].point))
     }
     /// The box of a facet before the weld.
     pub fn bounds(&self, facet: u32) -> Aabb {

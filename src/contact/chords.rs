@@ -34,6 +34,7 @@ pub(super) struct Chord {
 pub(super) fn find(body: &Body, outlines: &[Outline], sheet_of: &[u32], inside: &[(u32, u32)]) -> Vec<Chord> {
     let mut may_hold: Vec<bool> = outlines.iter().map(|o| o.corners().count() >= CHORD_CORNERS).collect();
     inside.iter().for_each(|i| may_hold[i.0 as usize] = true);
+    outlines.iter().zip(&mut may_hold).for_each(|(o, may)| *may &= !body.fate(o.facet).is_aside());
     let corners = outlines.iter().zip(0..).filter(|o| may_hold[o.1 as usize]);
     let mut uses: Vec<(u32, u32)> = corners.flat_map(|(o, slot)| o.corners().map(move |v| (v, slot))).collect();
     uses.extend(inside.iter().map(|&(slot, v)| (v, slot)));

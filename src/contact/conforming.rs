@@ -1,6 +1,7 @@
 //! The output of the contact step: welded points and planar cells with explicit vertices.
 
 use super::candidates::FacetTrees;
+use crate::cull::Fate;
 use crate::geom::Vec3;
 use crate::ids::LeafId;
 
@@ -36,6 +37,8 @@ pub struct Cell {
     pub sheet: u32,
     /// Whether a facet of another leaf comes near one of its facets: nothing can cut or touch other cells.
     pub is_near: bool,
+    /// What is known to become of it.
+    pub fate: Fate,
 }
 
 /// A facet that a cell is a piece of.

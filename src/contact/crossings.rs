@@ -47,15 +47,20 @@ pub(super) fn connect(body: &mut Body, set: &mut EdgeSet, pairs: &[[u32; 2]], na
         }
     }
     set.sort();
+    // Edges with points that those which they meet may lack.
+    let mut is_new = vec![true; set.edges.len()];
     for _ in 0..MAX_ROUNDS {
-        let search = |m: &Meeting| carried(body, set, m);
+        let search = |m: &Meeting| carried(body, set, m, &is_new);
         let found: Vec<(u32, f64, u32)> = if meetings.len() >= PARALLEL_FROM {
             meetings.par_iter().flat_map_iter(search).collect()
         } else {
             meetings.iter().flat_map(search).collect()
         };
-        let count = found.into_iter().filter(|&(edge, s, point)| set.insert(edge, s, point)).count();
-        if count == 0 {
+        is_new.fill(false);
+        for (edge, s, point) in found {
+            is_new[edge as usize] |= set.insert(edge, s, point);
+        }
+        if !is_new.contains(&true) {
             return Ok(());
         }
         set.sort();
@@ -201,11 +206,14 @@ pub(super) fn cross(body: &mut Body, set: &mut EdgeSet, edges: &[u32], lines: &[
     }
 }
 
-/// Points of one of two edges that belong on the other as well.
-fn carried(body: &Body, set: &EdgeSet, meeting: &Meeting) -> Vec<(u32, f64, u32)> {
+/// Points of one of two edges, if it has new ones, that belong on the other as well.
+fn carried(body: &Body, set: &EdgeSet, meeting: &Meeting, is_new: &[bool]) -> Vec<(u32, f64, u32)> {
     let mut found = Vec::new();
     for k in [0, 1] {
         let (from, to) = (meeting.edges[k], meeting.edges[1 - k]);
+        if !is_new[from as usize] {
+            continue;
+        }
         let [lo, hi] = meeting.windows[k];
         let inserted = &set.edges[from as usize].inserted;
         let first = inserted.partition_point(|i| i.0 < lo);

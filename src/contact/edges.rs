@@ -32,7 +32,8 @@ pub(super) struct EdgeSet {
     pub edges: Vec<Edge>,
     /// For every facet, whether it is active.
     pub is_active: Vec<bool>,
-    /// For every facet, the edges for which it is the first in its leaf, so that a contact is looked for once.
+    /// For every facet, the edges for which it is the first in its leaf that is compared with others, so that a contact is looked
+    /// for once.
     pub own: Lists,
     /// Every use of an edge as (edge, leaf, facet), sorted.
     pub uses: Vec<(u32, u32, u32)>,
@@ -50,6 +51,8 @@ impl EdgeSet {
     pub fn new(body: &Body, pairs: &[[u32; 2]]) -> Self {
         let mut is_active = vec![false; body.facet_count()];
         pairs.iter().flatten().for_each(|&f| is_active[f as usize] = true);
+        // What is set aside is near nothing, but its neighbours are, and it shares their edges.
+        (0..body.facet_count()).for_each(|f| is_active[f] |= body.fate(f as u32).is_aside());
         let active = is_active.iter().filter(|a| **a).count();
         let mut set = Self {
             edges: Vec::with_capacity(2 * active),
@@ -88,7 +91,8 @@ impl EdgeSet {
         let by_number = Lists::new(set.edges.len(), &numbered);
         let uses: Vec<(u32, u32, u32)> =
             (0..set.edges.len() as u32).flat_map(|e| by_number.of(e)).map(|&k| uses[k as usize]).collect();
-        let firsts = || uses.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)).map(|same| same[0]);
+        let first = |same: &[(u32, u32, u32)]| same.iter().find(|u| !body.fate(u.2).is_aside()).copied();
+        let firsts = || uses.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)).filter_map(first);
         let by_edge: Vec<(u32, u32)> = firsts().map(|u| (u.0, u.1)).collect();
         let by_facet: Vec<(u32, u32)> = firsts().map(|u| (u.2, u.0)).collect();
         set.leaves = Lists::new(set.edges.len(), &by_edge);

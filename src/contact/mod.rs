@@ -43,6 +43,7 @@ mod weld;
 
 pub use gaps::{GAP, Gap, nearly_touching};
 
+use crate::cull::Piece;
 use crate::diag::{Name, Outcome};
 use crate::ids::LeafId;
 use crate::primitive::solid::Solid;
@@ -50,6 +51,8 @@ use candidates::FacetTrees;
 use conforming::Conforming;
 
 /// All leaves over common points.
+///
+/// `pieces` tells what is known to become of the facets, if anything is: those that are set aside are compared with none.
 ///
 /// `tolerance` is absolute, `leaf_tolerance` that of leaves with their own (imports); between two leaves the coarser holds, and
 /// none falls below the rounding of the coordinates. `names` says how messages call a leaf. Points keep scene order: vertices of
@@ -63,11 +66,12 @@ use conforming::Conforming;
 /// O(n log n) in facets, candidates and crossings, plus the owners of all cells.
 pub fn conform(
     solids: &[Solid],
+    pieces: &[Vec<Piece>],
     tolerance: f64,
     leaf_tolerance: &[Option<f64>],
     names: &dyn Fn(LeafId) -> Name,
 ) -> Outcome<Conforming> {
-    let mut body = body::Body::new(solids, tolerance, leaf_tolerance, names)?;
+    let mut body = body::Body::new(solids, pieces, tolerance, leaf_tolerance, names)?;
     let widest = body.tolerances.iter().fold(0.0, |m: f64, &t| m.max(t));
     let trees = FacetTrees::new(&body, (sheets::CHAIN_REACH * widest).max(GAP * tolerance));
     let pairs = trees.facet_pairs(&body, |a, b| sheets::CHAIN_REACH * body.tolerance(a, b));

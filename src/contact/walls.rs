@@ -37,6 +37,8 @@ impl Walls {
         let mut inner: Vec<(u32, u32)> = Vec::new();
         for uses in set.uses.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
             if let &[(edge, _, f), (_, _, g)] = uses
+                && !body.fate(f).is_aside()
+                && !body.fate(g).is_aside()
                 && is_flat(f, g)
             {
                 sets.join(f, g);
@@ -46,7 +48,8 @@ impl Walls {
         if inner.is_empty() {
             return Self::default();
         }
-        let outline = |f: u32| set.is_active[f as usize].then(|| Outline::new(f, body.loops(f), None, &body.points));
+        let is_compared = |f: u32| set.is_active[f as usize] && !body.fate(f).is_aside();
+        let outline = |f: u32| is_compared(f).then(|| Outline::new(f, body.loops(f), None, &body.points));
         let outlines: Vec<Option<Outline>> = (0..body.facet_count() as u32).map(outline).collect();
         let of_facet: Vec<u32> = (0..body.facet_count() as u32).map(|f| sets.find(f)).collect();
         inner.iter_mut().for_each(|i| i.0 = of_facet[i.0 as usize]);
@@ -82,7 +85,7 @@ impl Walls {
     /// The points on edges of walls: (point, wall).
     pub fn points(&self, set: &EdgeSet) -> Vec<(u32, u32)> {
         let mut points = Vec::with_capacity(2 * set.uses.len());
-        for &(edge, _, facet) in &set.uses {
+        for &(edge, _, facet) in set.uses.iter().filter(|u| self.outlines[u.2 as usize].is_some()) {
             let wall = self.of_facet[facet as usize];
             points.extend(set.points_between(edge, [0.0, 1.0]).map(|v| (v, wall)));
         }

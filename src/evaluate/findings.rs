@@ -6,10 +6,10 @@ use crate::classify::Classified;
 use crate::contact::{self, conforming::Conforming};
 use crate::diag::{Diagnostic, Name, Outcome, Severity, short};
 use crate::geom::Vec3;
-use crate::geom::embedding::Violation;
 use crate::geom::polygon;
 use crate::ids::{LeafId, PartId};
 use crate::primitive::solid::Solid;
+use crate::round::Fault;
 use crate::scene::model::{Node, Policy, Scene};
 use crate::select::Selected;
 use std::collections::{BTreeMap, BTreeSet};
@@ -131,26 +131,21 @@ pub fn empty_parts(scene: &Scene, selected: &Selected) -> Outcome<Vec<Diagnostic
 }
 
 /// A result that rounding breaks: the parts and places.
-pub fn broken(scene: &Scene, complex: &Complex, violations: &[Violation]) -> Vec<Diagnostic> {
-    let facet_of: Vec<usize> =
-        complex.facets.iter().enumerate().flat_map(|(f, facet)| std::iter::repeat_n(f, facet.triangles.len())).collect();
+pub fn broken(scene: &Scene, complex: &Complex, faults: &[Fault]) -> Vec<Diagnostic> {
     let mut seen = BTreeSet::new();
     let mut out = Vec::new();
-    for violation in violations {
-        let facets = violation.triangles.map(|t| &complex.facets.as_slice()[facet_of[t as usize]]);
-        let leaves = facets.map(|f| f.source.0);
+    for fault in faults {
+        let leaves = fault.facets.map(|f| complex.facets[f].source.0);
         if !seen.insert(leaves) || out.len() >= 10 {
             continue;
         }
         let [a, b] = leaves.map(|l| leaf_name(scene, l));
-        let text = format!(
-            "facets of {a} and {b} come so near that rounding to 64-bit coordinates makes them meet ({:?})",
-            violation.kind
-        );
+        let what = &fault.what;
+        let text = format!("facets of {a} and {b} come so near that rounding to 64-bit coordinates makes them meet ({what})");
         out.push(
             Diagnostic::error("rounding", text)
                 .at(a.span)
-                .near(violation.point)
+                .near(fault.point)
                 .hint("move one of them by more than the contact tolerance, or raise `tolerance` so that they touch"),
         );
     }

@@ -40,6 +40,25 @@ impl Aabb {
         let along = |k: usize| (self.lo[k] - other.hi[k] <= margin) & (other.lo[k] - self.hi[k] <= margin);
         along(0) & along(1) & along(2)
     }
+    /// Whether a segment may meet the box (slabs, enlarged by the rounding of the test).
+    pub fn may_meet(&self, p: &Vec3, q: &Vec3) -> bool {
+        let d = q - p;
+        let (mut lo, mut hi) = (0.0f64, 1.0f64);
+        // A few units in the last place of the largest number involved.
+        let slack = 8.0 * f64::EPSILON * (p.amax() + q.amax() + self.lo.amax().max(self.hi.amax()));
+        for k in 0..3 {
+            if d[k] == 0.0 {
+                if p[k] < self.lo[k] - slack || p[k] > self.hi[k] + slack {
+                    return false;
+                }
+                continue;
+            }
+            let (s, t) = ((self.lo[k] - slack - p[k]) / d[k], (self.hi[k] + slack - p[k]) / d[k]);
+            lo = lo.max(s.min(t) - 4.0 * f64::EPSILON);
+            hi = hi.min(s.max(t) + 4.0 * f64::EPSILON);
+        }
+        lo <= hi
+    }
     /// Whether the point is in the closed box.
     pub fn contains(&self, p: &Vec3) -> bool {
         (0..3).all(|k| self.lo[k] <= p[k] && p[k] <= self.hi[k])

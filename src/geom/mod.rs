@@ -8,6 +8,7 @@ pub mod hash;
 pub mod lists;
 pub mod polygon;
 pub mod predicates;
+pub mod radial;
 pub mod union_find;
 
 /// A position or direction, in the scene's unit.

@@ -169,9 +169,13 @@ fn triangulate_general(
     let edges: Vec<[usize; 2]> =
         boundary().chain(chains.iter().copied()).map(|[a, b]| [slot(a), slot(b)]).filter(|[a, b]| a != b).collect();
     let mut is_simple = true;
-    let cdt = ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(positions, edges, |_| is_simple = false)
-        .map_err(|_| PolygonError::NotSimple)?;
-    if !is_simple || cdt.num_vertices() != vertices.len() {
+    let cdt =
+        ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(positions, edges.clone(), |_| is_simple = false)
+            .map_err(|_| PolygonError::NotSimple)?;
+    // An edge through a vertex has become two.
+    let handle = FixedVertexHandle::from_index;
+    let is_edge = |e: &[usize; 2]| cdt.get_edge_from_neighbors(handle(e[0]), handle(e[1])).is_some();
+    if !is_simple || cdt.num_vertices() != vertices.len() || !edges.iter().all(is_edge) {
         return Err(PolygonError::NotSimple);
     }
     // Winding number of each triangle: cross from the outside, adding what each boundary edge turns.
@@ -253,6 +257,13 @@ mod tests {
         // A pentagram turns left at every corner, but twice round.
         let star = [0, 2, 4, 1, 3].map(|k| f64::from(k) * 0.4 * std::f64::consts::PI).map(|a| p(libm::cos(a), libm::sin(a)));
         assert!(triangulate_convex(&[0, 1, 2, 3, 4], |v| [star[v as usize].x, star[v as usize].y]).is_none());
+    }
+
+    #[test]
+    fn an_edge_through_a_vertex_is_refused() {
+        let p = |x: f64, y: f64| Vec3::new(x, y, 0.0);
+        let points = [p(0., 4.), p(0., 0.), p(0., 3.), p(5., 2.), p(5., 4.)];
+        assert_eq!(triangulate(&[&[0, 1, 2, 3, 4]], &[], &[], &points), Err(PolygonError::NotSimple));
     }
 
     #[test]

@@ -106,7 +106,7 @@ impl<'a> Caster<'a> {
     fn crossings(&self, p: &Vec3, q: &Vec3) -> Result<Vec<Crossing>, CastError> {
         let mut found = Ok(Vec::new());
         self.tree.search(
-            |b| segment_meets_box(p, q, b),
+            |b| b.may_meet(p, q),
             |t| {
                 match (self.crossing(p, q, t), &mut found) {
                     (Ok(Some(c)), Ok(list)) => list.push(c),
@@ -160,7 +160,7 @@ impl<'a> Caster<'a> {
         let best = Cell::new(beyond_all);
         // What lies behind the nearest triangle so far need not be looked at.
         self.tree.search(
-            |b| segment_meets_box(from, &(from + direction * best.get()), b),
+            |b| b.may_meet(from, &(from + direction * best.get())),
             |t| {
                 if t != skipped
                     && let Some(d) = ray_triangle(from, direction, self.corners(t))
@@ -171,26 +171,6 @@ impl<'a> Caster<'a> {
         );
         (best.get() < beyond_all).then(|| best.get())
     }
-}
-
-/// Whether a segment may meet a box (slabs; the box is enlarged by the rounding of the test).
-fn segment_meets_box(p: &Vec3, q: &Vec3, b: &Aabb) -> bool {
-    let d = q - p;
-    let (mut lo, mut hi) = (0.0f64, 1.0f64);
-    // A few units in the last place of the largest number involved.
-    let slack = 8.0 * f64::EPSILON * (p.amax() + q.amax() + b.lo.amax().max(b.hi.amax()));
-    for k in 0..3 {
-        if d[k] == 0.0 {
-            if p[k] < b.lo[k] - slack || p[k] > b.hi[k] + slack {
-                return false;
-            }
-            continue;
-        }
-        let (s, t) = ((b.lo[k] - slack - p[k]) / d[k], (b.hi[k] + slack - p[k]) / d[k]);
-        lo = lo.max(s.min(t) - 4.0 * f64::EPSILON);
-        hi = hi.min(s.max(t) + 4.0 * f64::EPSILON);
-    }
-    lo <= hi
 }
 
 /// Moeller and Trumbore 1997.

@@ -76,19 +76,36 @@ fn triangles_of(loops: &[Vec<u32>], points: &[Vec3]) -> Triangles {
 
 /// Whether a facet is one planar polygon; one loop that visits no vertex twice does not fall apart.
 fn is_whole(walks: &[&[u32]], triangles: &[[u32; 3]], points: &[Vec3], flatness: f64) -> bool {
-    polygon::is_planar(walks, points, flatness) && !(walks.len() > 1 && falls_apart(triangles))
+    polygon::is_planar(walks, points, flatness) && !(walks.len() > 1 && falls_apart(walks, triangles))
 }
 
-/// Whether triangles hang together in vertices only.
-fn falls_apart(triangles: &[[u32; 3]]) -> bool {
+/// Whether triangles hang together in vertices only, or over edges in which something touches from rim to rim.
+fn falls_apart(walks: &[&[u32]], triangles: &[[u32; 3]]) -> bool {
+    let touching: Vec<[u32; 2]> =
+        walks.iter().filter_map(|w| if let &[a, b] = *w { Some([a.min(b), a.max(b)]) } else { None }).collect();
     let mut edges: Vec<([u32; 2], usize)> = Vec::with_capacity(3 * triangles.len());
     for (t, corners) in triangles.iter().enumerate() {
         edges.extend((0..3).map(|k| (corners[k], corners[(k + 1) % 3])).map(|(a, b)| ([a.min(b), a.max(b)], t)));
     }
     edges.sort_unstable();
     let mut sets = UnionFind::new(triangles.len());
-    for pair in edges.windows(2).filter(|w| w[0].0 == w[1].0) {
+    for pair in edges.windows(2).filter(|w| w[0].0 == w[1].0 && !touching.contains(&w[0].0)) {
         sets.join(pair[0].1 as u32, pair[1].1 as u32);
     }
     sets.number().1 > 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_edge_that_touches_from_rim_to_rim_parts_a_facet() {
+        let p = |x: f64, y: f64| Vec3::new(x, y, 0.0);
+        let points = [p(0., 0.), p(4., 0.), p(4., 4.), p(0., 4.), p(2., 2.), p(2., 0.), p(2., 4.)];
+        let count = |loops: Vec<Vec<u32>>| triangulate(vec![loops], &points, 1e-15).unwrap().len();
+        let rim = vec![0, 5, 1, 2, 6, 3];
+        assert_eq!(count(vec![rim.clone(), vec![5, 4]]), 1);
+        assert_eq!(count(vec![rim, vec![5, 4], vec![4, 6]]), 6);
+    }
 }

@@ -9,10 +9,10 @@
 //! 3. `facets`: every polygon is triangulated over its vertices; a polygon that is not planar to rounding (contact moved its
 //!    vertices within the tolerance) is written as its triangles. Where an edge passes through a vertex of its own facet, the
 //!    vertex becomes one of the edge (`touching`).
-//! 4. The triangles are tested exactly against each other (`geom::embedding`). `regions`: volumes are joined across nested
-//!    components by exact rays, and numbered.
-//! 5. `repair`: where the test fails, the rounded triangles are cut against each other and rounded again. What fails in the end is
+//! 4. `verify`: the triangles are tested exactly against each other, and the order of the facets around every edge.
+//! 5. `repair`: where that fails, the rounded triangles are cut against each other and rounded again. What fails in the end is
 //!    reported to the caller: a broken complex is never taken for a valid one.
+//! 6. `regions`: volumes are joined across nested components by exact rays, and numbered.
 
 mod collapse;
 mod dissolve;
@@ -21,22 +21,21 @@ mod freedom;
 mod regions;
 mod repair;
 mod touching;
+mod verify;
+
+pub use verify::Fault;
 
 use crate::arrangement::Arrangement;
 use crate::brep::complex::{Complex, ComplexFacet, ComplexSurface, ComplexVertex, KilledFacet};
 use crate::diag::Diagnostic;
 use crate::geom::Vec3;
-use crate::geom::embedding::{self, Violation};
-use crate::ids::{Id, IdVec, LeafId, RegionId, SurfaceId, VertexId};
+use crate::ids::{Id, IdVec, LeafId, PartId, RegionId, SurfaceId, VertexId};
 use crate::primitive::solid::{Freedom, Solid};
 use crate::select::{Selected, SelectedFacet};
 
 /// Units in the last place of the model's size (or of its distance from the origin, if that is larger: nothing finer can be
 /// written) within which a polygon's vertices lie in its plane.
 pub const PLANAR_ULPS: f64 = 4.0;
-
-/// Violations listed before giving up counting.
-const VIOLATION_LIMIT: usize = 64;
 
 /// A complex, or where rounding broke it.
 pub enum Rounded {
@@ -52,7 +51,7 @@ pub enum Rounded {
         /// Polygons with rounded vertices that make the broken complex.
         complex: Complex,
         /// Some of the places.
-        violations: Vec<Violation>,
+        faults: Vec<Fault>,
     },
 }
 
@@ -61,7 +60,7 @@ pub enum Rounded {
 pub struct Repairs {
     /// How often all facets were cut again; 0 almost always.
     pub rounds: u32,
-    /// Pairs of triangles that rounding made meet, up to a limit.
+    /// Pairs of triangles that rounding made meet or change sides, up to a limit.
     pub contacts: usize,
 }
 
@@ -93,27 +92,50 @@ pub fn round(
     dissolve::dissolve(&mut draft.loops, &draft.places, tolerance.max(reach));
     let mut complex = Complex { surfaces, markers: std::mem::take(&mut selected.markers), ..Default::default() };
     fill(&mut complex, draft, reach)?;
-    regions::number(&mut complex, &selected.part_of_volume)?;
-    let (repairs, violations) = settle(&mut complex, reach)?;
-    if !violations.is_empty() {
-        return Ok(Rounded::Broken { complex, violations });
-    }
+    let (repairs, checked) = settle(&mut complex, &mut selected.part_of_volume, reach)?;
+    let volumes = match checked {
+        Ok(volumes) => volumes,
+        Err(faults) => return Ok(Rounded::Broken { complex, faults }),
+    };
+    renumber(&mut complex, &selected.part_of_volume, volumes)?;
     freedom::assign(&mut complex, solids);
     complex.killed = killed(&selected, arrangement);
     Ok(Rounded::Valid { complex, repairs })
 }
 
-/// Cuts the facets again until none meet where they must not; where they still do in the end.
-fn settle(complex: &mut Complex, reach: f64) -> Result<(Repairs, Vec<Violation>), Diagnostic> {
-    let mut violations = verify(complex);
-    let mut repairs = Repairs { rounds: 0, contacts: violations.len() };
-    while !violations.is_empty() && repairs.rounds < repair::MAX_ROUNDS {
+/// Cuts the facets again until they are a complex; what they enclose, or where they still are none in the end. `parts` are those
+/// of the volumes that are the sides of facets, and become those of regions if something is cut.
+fn settle(
+    complex: &mut Complex,
+    parts: &mut Vec<Option<PartId>>,
+    reach: f64,
+) -> Result<(Repairs, Result<verify::Volumes, Vec<Fault>>), Diagnostic> {
+    let mut checked = verify::check(complex, parts);
+    let mut repairs = Repairs::default();
+    if let Err(faults) = &checked {
+        repairs.contacts = faults.len();
+        regions::number(complex, parts)?;
+        *parts = complex.regions.iter().map(|r| r.part).collect();
+    }
+    while checked.is_err() && repairs.rounds < repair::MAX_ROUNDS {
         let Ok(draft) = repair::cut_again(complex, reach) else { break };
         fill(complex, draft, reach)?;
-        violations = verify(complex);
+        checked = verify::check(complex, parts);
         repairs.rounds += 1;
     }
-    Ok((repairs, violations))
+    Ok((repairs, checked))
+}
+
+/// Regions are what the rounded facets enclose: rounding may close a neck that joined two of them.
+fn renumber(complex: &mut Complex, parts: &[Option<PartId>], (sides, count): verify::Volumes) -> Result<(), Diagnostic> {
+    let mut part_of_volume = vec![None; count];
+    for (facet, sides) in complex.facets.iter_mut().zip(sides) {
+        for (old, new) in facet.sides.iter_mut().zip(sides) {
+            part_of_volume[new as usize] = parts[old.index()];
+            *old = RegionId(new);
+        }
+    }
+    regions::number(complex, &part_of_volume)
 }
 
 /// The selected facets; their sides are volumes.
@@ -157,14 +179,27 @@ fn fill(complex: &mut Complex, draft: Draft, reach: f64) -> Result<(), Diagnosti
     complex.facets = facets::triangulate(loops, &points, reach)?.into_iter().map(facet).collect::<Vec<_>>().into();
     let vertex = |point| ComplexVertex { point, freedom: Freedom::Fixed };
     complex.vertices = points.into_iter().map(vertex).collect::<Vec<_>>().into();
+    drop_orphans(complex);
     Ok(())
 }
 
-/// Where triangles meet that must not.
-fn verify(complex: &Complex) -> Vec<Violation> {
-    let points: Vec<Vec3> = complex.vertices.iter().map(|v| v.point).collect();
-    let flat: Vec<[u32; 3]> = complex.facets.iter().flat_map(|f| f.triangles.iter().map(|t| t.map(|v| v.0))).collect();
-    embedding::violations(&points, &flat, VIOLATION_LIMIT)
+/// Drops vertices whose facets were all rounded to lines.
+fn drop_orphans(complex: &mut Complex) {
+    let mut is_used = vec![false; complex.vertices.len()];
+    complex.facets.iter().flat_map(|f| f.loops.iter().flatten()).for_each(|v| is_used[v.index()] = true);
+    if is_used.iter().all(|&u| u) {
+        return;
+    }
+    let mut kept = IdVec::new();
+    let mut number = vec![VertexId(u32::MAX); is_used.len()];
+    for (v, vertex) in complex.vertices.enumerate().filter(|v| is_used[v.0.index()]) {
+        number[v.index()] = kept.push(*vertex);
+    }
+    for facet in complex.facets.iter_mut() {
+        let corners = facet.loops.iter_mut().flatten().chain(facet.triangles.iter_mut().flatten());
+        corners.for_each(|v| *v = number[v.index()]);
+    }
+    complex.vertices = kept;
 }
 
 /// All surfaces of all leaves in order, and the surface of a leaf's facet.

@@ -12,6 +12,7 @@ use crate::arrangement::{self, Arrangement};
 use crate::brep::complex::{Complex, ComplexFacet};
 use crate::classify::EdgeUses;
 use crate::contact::conforming::{Cell, Conforming, Owner};
+use crate::cull::Fate;
 use crate::diag::Diagnostic;
 use crate::geom::Vec3;
 use crate::geom::polygon::vector_area;
@@ -30,10 +31,12 @@ pub fn cut_again(complex: &Complex, reach: f64) -> Result<Draft, Diagnostic> {
     let input = soup(complex);
     let arrangement = arrangement::arrange(&input);
     let edges = EdgeUses::new(&arrangement)?;
-    let (shells, count) = edges.shells(arrangement.cells.len());
+    let (shells, count) = edges.shells(arrangement.cells.len(), |_| true);
     let region_of_shell = regions(complex, &arrangement, &shells, count)?;
     let sides: Vec<[RegionId; 2]> = shells.iter().map(|s| s.map(|s| region_of_shell[s as usize])).collect();
-    let kept: Vec<bool> = sides.iter().map(|s| s[0] != s[1]).collect();
+    // Regions of one part that touch are one from here on.
+    let part = |r: RegionId| complex.regions[r].part;
+    let kept: Vec<bool> = sides.iter().map(|s| part(s[0]) != part(s[1])).collect();
     let mut source = vec![0u32; kept.len()];
     let mut marker = vec![MarkerId(0); kept.len()];
     for cell in (0..kept.len()).filter(|&c| kept[c]) {
@@ -66,7 +69,7 @@ fn soup(complex: &Complex) -> Conforming {
         out.cell_of_triangle.resize(out.triangles.len(), id.0);
         let owner = Owner { leaf: LeafId(id.0), facet: 0, is_flipped: false };
         let loops = facet.loops.iter().map(|l| l.iter().map(|v| v.0).collect()).collect();
-        out.cells.push(Cell { owners: vec![owner], loops, sheet: id.0, is_near: true });
+        out.cells.push(Cell { owners: vec![owner], loops, sheet: id.0, is_near: true, fate: Fate::Live });
     }
     out
 }

@@ -3,6 +3,7 @@
 use super::table::combine;
 use crate::classify::{Class, Classified};
 use crate::contact::conforming::Owner;
+use crate::cull::Fate;
 use crate::geom::hash::IndexMap;
 use crate::ids::{IdVec, LeafId, PartId};
 use crate::scene::model::{Node, Operation, Part, Scene};
@@ -41,9 +42,14 @@ impl<'a> Decision<'a> {
         Self { claims, part_of_label, overlaps }
     }
 
-    /// The part that claims the volume of a shell.
-    pub fn part_of_shell(&self, classified: &Classified, shell: u32) -> Option<PartId> {
-        self.part_of_label[classified.label_of_shell[shell as usize] as usize]
+    /// The parts that claim the volumes in front of a sub-cell and behind it; twice the same where nothing else is known than
+    /// that they are.
+    pub fn parts_beside(&self, classified: &Classified, cell: usize, fate: Fate) -> [Option<PartId>; 2] {
+        match fate {
+            Fate::Live => classified.shells[cell].map(|s| self.part_of_label[classified.label_of_shell[s as usize] as usize]),
+            Fate::Face(parts) => parts,
+            Fate::Hidden | Fate::Copy => [None; 2],
+        }
     }
 
     /// Which of the facets that coincide in a retained sub-cell it is a piece of: the first that makes the difference on its

@@ -17,6 +17,7 @@ pub use merge::merge;
 use crate::arrangement::Arrangement;
 use crate::brep::complex::Marker;
 use crate::classify::Classified;
+use crate::cull::Fate;
 use crate::geom::hash::IndexMap;
 use crate::geom::union_find::UnionFind;
 use crate::ids::{IdVec, LeafId, MarkerId, PartId};
@@ -57,26 +58,39 @@ pub struct SelectedFacet {
 /// Selects and merges.
 pub fn select(scene: &Scene, solids: &[Solid], arrangement: &Arrangement, classified: &Classified) -> Selected {
     let decision = decide::Decision::new(scene, classified);
-    let mut volumes = UnionFind::new(classified.label_of_shell.len());
-    let (mut kept, mut killed) = (vec![false; arrangement.cells.len()], Vec::new());
-    for (cell, &[front, back]) in classified.shells.iter().enumerate() {
-        kept[cell] = decision.part_of_shell(classified, front) != decision.part_of_shell(classified, back);
-        if !kept[cell] {
-            volumes.join(front, back);
-            killed.push(cell as u32);
-        }
-    }
-    let (volume_of_shell, count) = volumes.number();
-    let mut part_of_volume = vec![None; count];
-    for (shell, &volume) in volume_of_shell.iter().enumerate() {
-        part_of_volume[volume as usize] = decision.part_of_shell(classified, shell as u32);
-    }
+    let parts_beside = |cell: usize| decision.parts_beside(classified, cell, arrangement.cells.fate_of(cell));
+    let kept: Vec<bool> = (0..arrangement.cells.len()).map(|cell| parts_beside(cell)[0] != parts_beside(cell)[1]).collect();
+    let killed = (0..kept.len() as u32).filter(|&cell| !kept[cell as usize]).collect();
+    let (volume_of_shell, count) = volumes(arrangement, classified, &kept);
     let volumes_of = |cell: usize| classified.shells[cell].map(|s| volume_of_shell[s as usize]);
+    let mut part_of_volume = vec![None; count];
+    for cell in (0..kept.len()).filter(|&cell| kept[cell]) {
+        let [front, back] = volumes_of(cell).map(|v| v as usize);
+        [part_of_volume[front], part_of_volume[back]] = parts_beside(cell);
+    }
     let (markers, marker_of) =
         markers::assign(scene, solids, arrangement, &kept, |cell| volumes_of(cell).map(|v| part_of_volume[v as usize]));
     let source_of = sources(arrangement, classified, &decision, &kept);
     let facets = merge(arrangement, &classified.edges, &kept, &marker_of, &source_of, volumes_of);
     Selected { facets, markers, killed, part_of_volume, overlaps: decision.overlaps }
+}
+
+/// Shells between which no retained facet stands are one volume: the volume of each, and their number.
+fn volumes(arrangement: &Arrangement, classified: &Classified, kept: &[bool]) -> (Vec<u32>, usize) {
+    let fate = |cell: usize| arrangement.cells.fate_of(cell);
+    let mut sets = UnionFind::new(classified.label_of_shell.len());
+    for (cell, &[front, back]) in classified.shells.iter().enumerate() {
+        if !kept[cell] && fate(cell) != Fate::Copy {
+            sets.join(front, back);
+        }
+    }
+    // Sides whose fate is known are shells of their own.
+    let is_known = |side: u32| fate(side as usize / 2) != Fate::Live;
+    let shell = |side: u32| classified.shells[side as usize / 2][side as usize % 2];
+    for [a, b] in classified.edges.facing().filter(|p| p.iter().any(|&side| is_known(side))) {
+        sets.join(shell(a), shell(b));
+    }
+    sets.number()
 }
 
 /// For each retained sub-cell, which of its owners it counts as a piece of.
@@ -85,7 +99,7 @@ fn sources(arrangement: &Arrangement, classified: &Classified, decision: &decide
     let mut known: IndexMap<(u32, u32), u32> = IndexMap::default();
     let mut choose = |cell: usize| {
         let owners = cells.owners_of(cell);
-        if !kept[cell] || owners.len() < 2 {
+        if !kept[cell] || owners.len() < 2 || cells.fate_of(cell) != Fate::Live {
             return 0;
         }
         let label = classified.label_of_shell[classified.shells[cell][0] as usize];

@@ -60,6 +60,16 @@ impl Generator {
         if self.below(4) == 0 { self.turned(&whole) } else { whole }
     }
 
+    /// Many solids over one place, all added or some of them taken away.
+    pub fn pile(&mut self, count: usize) -> String {
+        let solids: Vec<String> = (0..count).map(|_| self.leaf()).collect();
+        let all = |list: &[String]| format!("Union([{}])", list.join(", "));
+        match self.below(2) {
+            0 => all(&solids),
+            _ => format!("Difference([{}, {}])", all(&solids[..count / 2]), all(&solids[count / 2..])),
+        }
+    }
+
     fn leaf(&mut self) -> String {
         let primitive = self.primitive();
         let [x, y, z] = [0; 3].map(|_| self.round(-2, 2));

@@ -63,7 +63,7 @@ fn rotation(k: u32) -> Rotation3<f64> {
 }
 
 fn try_conform(solids: &[Solid], tolerance: f64) -> Outcome<Conforming> {
-    conform(solids, tolerance, &vec![None; solids.len()], &|l: LeafId| Name {
+    conform(solids, &[], tolerance, &vec![None; solids.len()], &|l: LeafId| Name {
         text: format!("leaf {}", l.0),
         ..Name::default()
     })

@@ -1,13 +1,15 @@
 //! The order of facets around an edge, from exact signs.
 
-use crate::geom::Vec3;
-use crate::geom::predicates::{Projection, Sign, orient2d, orient3d};
+use super::Vec3;
+use super::predicates::{Projection, Sign, orient2d, orient3d};
 use std::cmp::Ordering;
 
 /// The directed edge around which half-planes are ordered.
 #[derive(Clone, Copy)]
-pub(super) struct Axis<'a> {
+pub struct Axis<'a> {
+    /// Its start.
     pub from: &'a Vec3,
+    /// Its end.
     pub to: &'a Vec3,
 }
 
@@ -50,7 +52,7 @@ impl Axis<'_> {
 
     /// Orders half-planes by the angle, counter-clockwise seen against the axis, from that through `reference`. Exact; equal if
     /// two coincide. The points must not lie on the axis.
-    pub(super) fn compare(self, reference: &Vec3, a: &Vec3, b: &Vec3) -> Ordering {
+    pub fn compare(self, reference: &Vec3, a: &Vec3, b: &Vec3) -> Ordering {
         let (at, bt) = (self.place(reference, a), self.place(reference, b));
         at.cmp(&bt).then_with(|| match at {
             Turn::Less | Turn::More => self.turn(a, b).cmp(&0).reverse(),

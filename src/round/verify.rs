@@ -1,0 +1,136 @@
+//! Whether rounded facets are a complex: they meet in whole shared vertices and edges only, and around every edge the sides that
+//! face each other belong to one part.
+//!
+//! The first does not follow from the second nor the second from the first: a triangle one unit in the last place wide, turned
+//! over about an edge that it shares, meets nothing that it must not, but faces the wrong part.
+
+use crate::brep::complex::Complex;
+use crate::geom::Vec3;
+use crate::geom::embedding;
+use crate::geom::lists::Lists;
+use crate::geom::radial::Axis;
+use crate::geom::union_find::UnionFind;
+use crate::ids::{FacetId, Id, PartId, VertexId};
+
+/// Faults listed before giving up counting.
+const LIMIT: usize = 64;
+
+/// A place where a complex is broken.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Fault {
+    /// The facets.
+    pub facets: [FacetId; 2],
+    /// What they do there.
+    pub what: String,
+    /// A point of it, to rounding.
+    pub point: Vec3,
+}
+
+/// Volumes in front of and behind every facet, and their number: sides that face each other across an edge have one volume.
+pub type Volumes = (Vec<[u32; 2]>, usize);
+
+/// What the facets enclose; `parts` are those of their sides. O(n log n).
+///
+/// # Errors
+/// Some of the faults, if it is no complex.
+pub fn check(complex: &Complex, parts: &[Option<PartId>]) -> Result<Volumes, Vec<Fault>> {
+    let met = contacts(complex);
+    if met.is_empty() { volumes(complex, parts) } else { Err(met) }
+}
+
+/// Facets that meet where they must not.
+fn contacts(complex: &Complex) -> Vec<Fault> {
+    let points: Vec<Vec3> = complex.vertices.iter().map(|v| v.point).collect();
+    let triangles: Vec<[u32; 3]> = complex.facets.iter().flat_map(|f| f.triangles.iter().map(|t| t.map(|v| v.0))).collect();
+    let found = embedding::violations(&points, &triangles, LIMIT);
+    let mut ends = Vec::new();
+    if !found.is_empty() {
+        ends.extend(complex.facets.iter().scan(0, |end, f| {
+            *end += f.triangles.len();
+            Some(*end)
+        }));
+    }
+    let facet = |t: u32| FacetId::new(ends.partition_point(|&end| end <= t as usize));
+    let fault =
+        |v: &embedding::Violation| Fault { facets: v.triangles.map(facet), what: format!("{:?}", v.kind), point: v.point };
+    found.iter().map(fault).collect()
+}
+
+/// A triangle at an edge.
+#[derive(Clone, Copy)]
+struct Use {
+    facet: FacetId,
+    /// The larger end of the edge.
+    upper: VertexId,
+    /// The third corner.
+    apex: VertexId,
+    /// Whether the triangle's rim runs from the smaller to the larger end.
+    is_forward: bool,
+}
+
+impl Use {
+    /// The sides that look clockwise and counter-clockwise about the edge: twice the facet, plus one for its back.
+    fn sides(&self) -> [u32; 2] {
+        let front = 2 * self.facet.0;
+        if self.is_forward { [front + 1, front] } else { [front, front + 1] }
+    }
+    /// The parts there.
+    fn parts(&self, complex: &Complex, parts: &[Option<PartId>]) -> [Option<PartId>; 2] {
+        self.sides().map(|s| parts[complex.facets[FacetId(s / 2)].sides[s as usize % 2].index()])
+    }
+}
+
+/// Joins the sides of facets around every edge; an error where they are not of one part.
+fn volumes(complex: &Complex, parts: &[Option<PartId>]) -> Result<Volumes, Vec<Fault>> {
+    let count = complex.facets.iter().map(|f| 3 * f.triangles.len()).sum();
+    let (mut uses, mut by_lower) = (Vec::with_capacity(count), Vec::with_capacity(count));
+    for (facet, data) in complex.facets.enumerate() {
+        for &[a, b, c] in &data.triangles {
+            for [a, b, apex] in [[a, b, c], [b, c, a], [c, a, b]] {
+                by_lower.push((a.min(b).0, uses.len() as u32));
+                uses.push(Use { facet, upper: a.max(b), apex, is_forward: a < b });
+            }
+        }
+    }
+    let at = Lists::new(complex.vertices.len(), &by_lower);
+    let (mut faults, mut around) = (Vec::new(), Vec::new());
+    let mut sides = UnionFind::new(2 * complex.facets.len());
+    for lower in complex.vertices.ids() {
+        around.clear();
+        around.extend(at.of(lower.0).iter().map(|&k| uses[k as usize]));
+        around.sort_by_key(|u: &Use| u.upper);
+        for same in around.chunk_by_mut(|x, y| x.upper == y.upper) {
+            // The order of two is known.
+            if same.len() > 2 {
+                sort_around(complex, [lower, same[0].upper], same);
+            }
+            faults.extend(first_mismatch(complex, parts, lower, same));
+            for (k, one) in same.iter().enumerate() {
+                sides.join(one.sides()[1], same[(k + 1) % same.len()].sides()[0]);
+            }
+        }
+        if faults.len() >= LIMIT {
+            break;
+        }
+    }
+    if !faults.is_empty() {
+        return Err(faults);
+    }
+    let (of_side, count) = sides.number();
+    Ok((of_side.chunks_exact(2).map(|s| [s[0], s[1]]).collect(), count))
+}
+
+/// Sorts counter-clockwise about an edge, exactly.
+fn sort_around(complex: &Complex, edge: [VertexId; 2], uses: &mut [Use]) {
+    let at = |v: VertexId| &complex.vertices[v].point;
+    let (axis, reference) = (Axis { from: at(edge[0]), to: at(edge[1]) }, at(uses[0].apex));
+    uses.sort_by(|x, y| axis.compare(reference, at(x.apex), at(y.apex)));
+}
+
+fn first_mismatch(complex: &Complex, parts: &[Option<PartId>], lower: VertexId, uses: &[Use]) -> Option<Fault> {
+    let (n, of) = (uses.len(), |k: usize| uses[k].parts(complex, parts));
+    let k = (0..n).find(|&k| of(k)[1] != of((k + 1) % n)[0])?;
+    let [a, b] = [lower, uses[k].upper].map(|v| complex.vertices[v].point);
+    let facets = [uses[k].facet, uses[(k + 1) % n].facet];
+    Some(Fault { facets, what: "TurnedOver".to_owned(), point: (a + b) * 0.5 })
+}
