@@ -117,6 +117,31 @@ fn cone_keeps_its_apex_and_gets_few_triangles() {
 }
 
 #[test]
+fn no_facets_are_almost_in_one_plane() {
+    let after = remesh(cylinder(50.0, 200.0, 24), &full(1.0), &IdVec::new()).unwrap();
+    let point = |v: VertexId| after.vertices[v].point;
+    let normal = |f: &ComplexFacet| {
+        let corners = f.triangles.iter().map(|t| t.map(point));
+        corners.map(|[a, b, c]| (b - a).cross(&(c - a))).sum::<Vec3>().normalize()
+    };
+    let side: Vec<&ComplexFacet> = after.facets.iter().filter(|f| f.surface == SurfaceId(0)).collect();
+    assert!(side.iter().any(|f| f.triangles.len() > 1), "some facets share a plane");
+    let mut pairs = 0;
+    for (k, f) in side.iter().enumerate() {
+        for g in &side[k + 1..] {
+            let shared = f.loops[0].iter().filter(|v| g.loops[0].contains(v)).count();
+            // TetGen merges what is bent by less than 0.1 degrees.
+            if shared == 2 && normal(f).cross(&normal(g)).norm() < 1.7e-3 {
+                let height = |v: &VertexId| normal(f).dot(&(point(*v) - point(f.loops[0][0]))).abs();
+                assert!(g.loops[0].iter().all(|v| height(v) < 1e-10));
+            }
+            pairs += usize::from(shared == 2);
+        }
+    }
+    assert!(pairs > 100);
+}
+
+#[test]
 fn off_changes_nothing() {
     let before = cylinder(1.0, 1.0, 8);
     let options = RemeshOptions { mode: RemeshMode::Off, ..Default::default() };
