@@ -169,6 +169,23 @@ fn polygons_divide_into_their_triangles() {
     }
 }
 
+#[test]
+fn divided_polygons_merge_again() {
+    let mut brep = voxels(&[([0, 0, 0], 1)], false).brep();
+    let (counts, before) = (brep.topology.counts(), volumes(&brep));
+    let facets: Vec<FacetId> = brep.topology.facets().collect();
+    let cuts: Vec<EdgeId> = facets.into_iter().flat_map(|f| brep.divide_facet(f).edges).collect();
+    assert!(brep.topology.counts()[2] > counts[2]);
+    for edge in cuts {
+        assert!(brep.merge_facets(edge).is_some());
+    }
+    sound(&brep);
+    assert_eq!(brep.topology.counts(), counts);
+    assert!(near(&volumes(&brep), &before));
+    // Sides of a cube differ in surface.
+    assert!(brep.topology.edges().collect::<Vec<_>>().into_iter().all(|e| brep.merge_facets(e).is_none()));
+}
+
 fn turned(t: [VertexId; 3]) -> [VertexId; 3] {
     let [a, b, c] = t;
     [[a, b, c], [b, c, a], [c, a, b]].into_iter().min().unwrap_or(t)
