@@ -58,7 +58,11 @@ pub fn number(complex: &mut Complex, part_of_volume: &[Option<PartId>]) -> Resul
         });
     }
     complex.regions = regions;
-    Ok(())
+    let of_one = complex.facets.iter().find(|f| f.sides[0] == f.sides[1]);
+    of_one.map_or(Ok(()), |facet| {
+        let at = facet.triangles.first().map_or_else(Vec3::zeros, |t| complex.vertices[t[0]].point);
+        Err(Diagnostic::internal("one-sided", "a facet lies inside a region").near(at))
+    })
 }
 
 fn corners(complex: &Complex, facet: FacetId) -> impl Iterator<Item = [Vec3; 3]> {

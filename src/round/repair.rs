@@ -33,10 +33,9 @@ pub fn cut_again(complex: &Complex, reach: f64) -> Result<Draft, Diagnostic> {
     let edges = EdgeUses::new(&arrangement)?;
     let (shells, count) = edges.shells(arrangement.cells.len(), |_| true);
     let region_of_shell = regions(complex, &arrangement, &shells, count)?;
-    let sides: Vec<[RegionId; 2]> = shells.iter().map(|s| s.map(|s| region_of_shell[s as usize])).collect();
-    // Regions of one part that touch are one from here on.
-    let part = |r: RegionId| complex.regions[r].part;
-    let kept: Vec<bool> = sides.iter().map(|s| part(s[0]) != part(s[1])).collect();
+    let mut sides: Vec<[RegionId; 2]> = shells.iter().map(|s| s.map(|s| region_of_shell[s as usize])).collect();
+    join_touching(complex, &mut sides);
+    let kept: Vec<bool> = sides.iter().map(|s| s[0] != s[1]).collect();
     let mut source = vec![0u32; kept.len()];
     let mut marker = vec![MarkerId(0); kept.len()];
     for cell in (0..kept.len()).filter(|&c| kept[c]) {
@@ -59,6 +58,17 @@ pub fn cut_again(complex: &Complex, reach: f64) -> Result<Draft, Diagnostic> {
         (facet, old.loops.iter().map(Vec::len).sum())
     });
     Ok(Draft { facets: facets.collect(), loops, places, explicit: input.points.len() })
+}
+
+/// Makes one region of regions of one part that touch: the facets between them would be nothing's border.
+fn join_touching(complex: &Complex, sides: &mut [[RegionId; 2]]) {
+    let mut joined = UnionFind::new(complex.regions.len());
+    for &mut [front, back] in sides.iter_mut() {
+        if complex.regions[front].part == complex.regions[back].part {
+            joined.join(front.0, back.0);
+        }
+    }
+    sides.iter_mut().flatten().for_each(|r| *r = RegionId(joined.find(r.0)));
 }
 
 /// Every facet is a leaf and a sheet of its own: valid in itself, and to be cut by all others.

@@ -9,11 +9,19 @@ use crate::geom::Vec3;
 use crate::geom::embedding;
 use crate::geom::lists::Lists;
 use crate::geom::radial::Axis;
-use crate::geom::union_find::UnionFind;
 use crate::ids::{FacetId, Id, PartId, VertexId};
 
 /// Faults listed before giving up counting.
 const LIMIT: usize = 64;
+
+const TURNED_OVER: &str = "TurnedOver";
+
+impl Fault {
+    /// Whether facets only face the wrong part there.
+    pub fn is_turned_over(&self) -> bool {
+        self.what == TURNED_OVER
+    }
+}
 
 /// A place where a complex is broken.
 #[derive(Clone, PartialEq, Debug)]
@@ -26,16 +34,10 @@ pub struct Fault {
     pub point: Vec3,
 }
 
-/// Volumes in front of and behind every facet, and their number: sides that face each other across an edge have one volume.
-pub type Volumes = (Vec<[u32; 2]>, usize);
-
-/// What the facets enclose; `parts` are those of their sides. O(n log n).
-///
-/// # Errors
-/// Some of the faults, if it is no complex.
-pub fn check(complex: &Complex, parts: &[Option<PartId>]) -> Result<Volumes, Vec<Fault>> {
+/// Where facets are no complex, up to a limit; `parts` are those of the volumes that are their sides. O(n log n).
+pub fn check(complex: &Complex, parts: &[Option<PartId>]) -> Vec<Fault> {
     let met = contacts(complex);
-    if met.is_empty() { volumes(complex, parts) } else { Err(met) }
+    if met.is_empty() { mismatches(complex, parts) } else { met }
 }
 
 /// Facets that meet where they must not.
@@ -80,8 +82,8 @@ impl Use {
     }
 }
 
-/// Joins the sides of facets around every edge; an error where they are not of one part.
-fn volumes(complex: &Complex, parts: &[Option<PartId>]) -> Result<Volumes, Vec<Fault>> {
+/// Where sides of facets that face each other across an edge are not of one part.
+fn mismatches(complex: &Complex, parts: &[Option<PartId>]) -> Vec<Fault> {
     let count = complex.facets.iter().map(|f| 3 * f.triangles.len()).sum();
     let (mut uses, mut by_lower) = (Vec::with_capacity(count), Vec::with_capacity(count));
     for (facet, data) in complex.facets.enumerate() {
@@ -94,7 +96,6 @@ fn volumes(complex: &Complex, parts: &[Option<PartId>]) -> Result<Volumes, Vec<F
     }
     let at = Lists::new(complex.vertices.len(), &by_lower);
     let (mut faults, mut around) = (Vec::new(), Vec::new());
-    let mut sides = UnionFind::new(2 * complex.facets.len());
     for lower in complex.vertices.ids() {
         around.clear();
         around.extend(at.of(lower.0).iter().map(|&k| uses[k as usize]));
@@ -105,19 +106,12 @@ fn volumes(complex: &Complex, parts: &[Option<PartId>]) -> Result<Volumes, Vec<F
                 sort_around(complex, [lower, same[0].upper], same);
             }
             faults.extend(first_mismatch(complex, parts, lower, same));
-            for (k, one) in same.iter().enumerate() {
-                sides.join(one.sides()[1], same[(k + 1) % same.len()].sides()[0]);
-            }
         }
         if faults.len() >= LIMIT {
             break;
         }
     }
-    if !faults.is_empty() {
-        return Err(faults);
-    }
-    let (of_side, count) = sides.number();
-    Ok((of_side.chunks_exact(2).map(|s| [s[0], s[1]]).collect(), count))
+    faults
 }
 
 /// Sorts counter-clockwise about an edge, exactly.
@@ -132,5 +126,5 @@ fn first_mismatch(complex: &Complex, parts: &[Option<PartId>], lower: VertexId, 
     let k = (0..n).find(|&k| of(k)[1] != of((k + 1) % n)[0])?;
     let [a, b] = [lower, uses[k].upper].map(|v| complex.vertices[v].point);
     let facets = [uses[k].facet, uses[(k + 1) % n].facet];
-    Some(Fault { facets, what: "TurnedOver".to_owned(), point: (a + b) * 0.5 })
+    Some(Fault { facets, what: TURNED_OVER.to_owned(), point: (a + b) * 0.5 })
 }
