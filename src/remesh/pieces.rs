@@ -5,7 +5,7 @@ use crate::brep::complex::ComplexFacet;
 use crate::geom::Vec3;
 use crate::geom::polygon::triangulate;
 use crate::ids::{Id, VertexId};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Cosine of the angle between a chord and the border past which it runs along it (0.1 degrees).
 const FLAT_COSINE: f64 = 1.0 - 1.5e-6;
@@ -46,10 +46,8 @@ pub(super) fn cut_facet(mut facet: ComplexFacet, marks: &Marks, points: &[Vec3])
         return vec![facet];
     }
     let chords = chords(&placed, points);
-    match tiles(&facet, &chords, points).or_else(|| tiles(&facet, &[], points)) {
-        Some(triangles) => pieces(facet, triangles, &chords),
-        None => vec![facet],
-    }
+    let cut = |chords: &[[VertexId; 2]]| pieces(&facet, &tiles(&facet, chords, points)?, chords);
+    cut(&chords).or_else(|| cut(&[])).unwrap_or_else(|| vec![facet.clone()])
 }
 
 /// The facet cut from each of some corners across; in triangles if a corner cannot be cut off.
@@ -68,7 +66,7 @@ pub(super) fn cut_at(facet: ComplexFacet, corners: &[VertexId], points: &[Vec3])
         chords.push(chord);
         triangles = cut;
     }
-    pieces(facet, triangles, &chords)
+    pieces(&facet, &triangles, &chords).unwrap_or_else(|| triangles_of(&facet).collect())
 }
 
 /// Chords from a corner of the outer loop to its others: those that cut off no triangle first, and of these the one that leaves the
@@ -134,9 +132,12 @@ fn tiles(facet: &ComplexFacet, chords: &[[VertexId; 2]], points: &[Vec3]) -> Opt
     Some(triangles.into_iter().map(|t| t.map(VertexId)).collect())
 }
 
-/// The pieces of a triangulated facet between the chords.
-fn pieces(facet: ComplexFacet, triangles: Vec<[VertexId; 3]>, chords: &[[VertexId; 2]]) -> Vec<ComplexFacet> {
-    let turned = |t: [VertexId; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
+fn turned(t: [VertexId; 3]) -> [[VertexId; 2]; 3] {
+    [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]]
+}
+
+/// The pieces of a triangulated facet between the chords; `None` if loops touch so that they are not what bounds the pieces.
+fn pieces(facet: &ComplexFacet, triangles: &[[VertexId; 3]], chords: &[[VertexId; 2]]) -> Option<Vec<ComplexFacet>> {
     let owner: HashMap<[VertexId; 2], usize> =
         triangles.iter().enumerate().flat_map(|(k, &t)| turned(t).map(|e| (e, k))).collect();
     let is_chord = |[a, b]: [VertexId; 2]| chords.contains(&[a.min(b), a.max(b)]);
@@ -160,7 +161,7 @@ fn pieces(facet: ComplexFacet, triangles: Vec<[VertexId; 3]>, chords: &[[VertexI
     for (t, &p) in triangles.iter().zip(&piece_of) {
         out[p].triangles.push(*t);
     }
-    for (k, walk) in facet.loops.into_iter().enumerate() {
+    for (k, walk) in facet.loops.iter().cloned().enumerate() {
         let parts = if k == 0 { split_loop(walk, chords) } else { vec![walk] };
         for part in parts {
             let edge = part.get(1).and_then(|&b| owner.get(&[part[0], b]));
@@ -170,7 +171,14 @@ fn pieces(facet: ComplexFacet, triangles: Vec<[VertexId; 3]>, chords: &[[VertexI
             }
         }
     }
-    out
+    out.iter().all(is_bounded).then_some(out)
+}
+
+/// Whether the loops of a facet are the border of its triangles.
+fn is_bounded(facet: &ComplexFacet) -> bool {
+    let all: HashSet<[VertexId; 2]> = facet.triangles.iter().flat_map(|&t| turned(t)).collect();
+    let border: HashSet<[VertexId; 2]> = all.iter().filter(|[a, b]| !all.contains(&[*b, *a])).copied().collect();
+    !border.is_empty() && border == edges_of(&facet.loops).collect()
 }
 
 /// A loop cut along chords that do not cross.
