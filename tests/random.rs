@@ -71,7 +71,7 @@ fn trees_keep_the_identities_of_sets() {
         };
         let (both, any) = (together("Intersection")?, together("Union")?);
         let (rest, either) = (together("Difference")?, together("Xor")?);
-        let (first, second) = (volume_beside(&a, &b)?, volume_beside(&b, &a)?);
+        let (first, second) = (volume(&a)?, volume(&b)?);
         let scale = first + second;
         let told = format!("A: {a}\nB: {b}\n");
         expect(&format!("{told}union and intersection"), any.0 + both.0, scale, scale)?;

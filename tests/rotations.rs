@@ -24,8 +24,8 @@ use std::path::{Path, PathBuf};
 /// Rotations per scene; the larger number of issue 3 is reached by setting GSM_ROTATIONS.
 const ROTATIONS: u64 = 3;
 
-/// Rotations of each scene up to the volume mesh.
-const MESHED_ROTATIONS: u64 = 1;
+/// Rotations of each scene up to the volume mesh; with the far place three, so that one that meshes worse is not the median.
+const MESHED_ROTATIONS: u64 = 2;
 
 const SCENES: [(&str, &str); 9] = [
     ("prism_holes", ""),
@@ -190,16 +190,14 @@ fn rotated_scenes_are_meshed() {
                 Ok(meshed) => {
                     counts.push(meshed.mesh.tets.len());
                     *rungs.entry(meshed.attempts.last().map(ToString::to_string).unwrap_or_default()).or_default() += 1;
-                    // The smallest moves at most: 2 of 42 places of remeshed scenes need them.
-                    if meshed.moved > 1e-8 {
+                    if meshed.moved > 0.0 {
                         failures.push(format!("{name} place {k}: vertices were moved by {}", meshed.moved));
                     }
                 }
             }
         }
         counts.sort_unstable();
-        // Of two places, as in CI, the better one.
-        let median = counts.get(counts.len().saturating_sub(1) / 2).copied().unwrap_or(0);
+        let median = counts.get(counts.len() / 2).copied().unwrap_or(0);
         println!("{name}: {} tetrahedra, median of {} places {median}; {rungs:?}", plain.mesh.tets.len(), counts.len());
         if median as f64 > 1.1 * plain.mesh.tets.len() as f64 {
             failures.push(format!("{name}: median of {median} tetrahedra instead of {}", plain.mesh.tets.len()));
