@@ -33,6 +33,10 @@ pub(super) enum Place {
 /// small circles tilt a lot).
 const FLIPPED_COSINE: f64 = 0.26;
 
+/// Sine of the smallest angle below which a triangle is a needle: it has no side that faces anywhere, and folds over if its vertices
+/// move by rounding (0.006 degrees; what features need is made by the evaluator, and stays).
+const NEEDLE_SINE: f64 = 1e-4;
+
 /// What a triangle is like, or would be.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct Measure {
@@ -40,7 +44,7 @@ pub(super) struct Measure {
     pub cosine: f64,
     /// Largest distance from the support as a fraction of the allowed deviation.
     pub excess: f64,
-    /// Whether it faces the wrong way.
+    /// Whether it faces the wrong way, or is a needle that faces none.
     pub is_flipped: bool,
 }
 
@@ -163,7 +167,9 @@ impl Workpiece {
         let normal = (b - a).cross(&(c - a)) * self.sense[facet.index()];
         let center = (a + b + c) / 3.0;
         let foot = support.closest(&center);
-        let is_flipped = normal.dot(&foot.normal) <= FLIPPED_COSINE * normal.norm();
+        let longest = [b - a, c - b, a - c].iter().map(Vec3::norm_squared).fold(0.0, f64::max);
+        let is_needle = normal.norm() <= NEEDLE_SINE * longest;
+        let is_flipped = is_needle || normal.dot(&foot.normal) <= FLIPPED_COSINE * normal.norm();
         let allowed = self.bound.at(&foot) * self.share(facet);
         let deviation = points.iter().map(|p| support.distance(p)).fold((foot.point - center).norm(), f64::max);
         Measure { cosine, excess: deviation / allowed, is_flipped }

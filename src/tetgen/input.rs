@@ -2,7 +2,6 @@
 
 use crate::brep::complex::Complex;
 use crate::diag::{Diagnostic, Outcome, Severity, Span};
-use crate::geom::Vec3;
 use crate::geom::polygon::vector_area;
 use crate::ids::{Id, IdVec, PartId};
 use crate::io::manifest::Manifest;
@@ -108,8 +107,9 @@ impl Input {
         mesh
     }
 
-    /// Volume of each region over these vertices, from the facets around it.
-    pub fn volumes(&self, vertices: &[Vec3]) -> BTreeMap<RegionNumber, f64> {
+    /// Volume of each region, from the facets around it.
+    pub fn volumes(&self) -> BTreeMap<RegionNumber, f64> {
+        let vertices = &self.plc.vertices;
         let origin = vertices.first().copied().unwrap_or_default();
         let mut volumes = BTreeMap::new();
         for (triangles, &[front, behind]) in self.triangles.iter().zip(&self.sides) {
@@ -127,11 +127,11 @@ impl Input {
         volumes
     }
 
-    /// Area of each marker's facets over these vertices.
-    pub fn areas(&self, vertices: &[Vec3]) -> BTreeMap<MarkerNumber, f64> {
+    /// Area of each marker's facets.
+    pub fn areas(&self) -> BTreeMap<MarkerNumber, f64> {
         let mut areas = BTreeMap::new();
         for (facet, triangles) in self.plc.facets.iter().zip(&self.triangles) {
-            let area: f64 = triangles.iter().map(|t| vector_area([&t[..]], vertices).norm()).sum();
+            let area: f64 = triangles.iter().map(|t| vector_area([&t[..]], &self.plc.vertices).norm()).sum();
             *areas.entry(facet.marker as MarkerNumber).or_insert(0.0) += area;
         }
         areas

@@ -4,7 +4,7 @@ use super::apart::{self, Markers};
 use super::child::{self, Ending, Folder, Limits};
 use super::find::Program;
 use super::input::Input;
-use super::place::{self, Place};
+use super::place::Place;
 use super::{explain, read, verify};
 use crate::diag::{Diagnostic, Outcome};
 use crate::io::mesh::{Mesh, RegionNumber};
@@ -118,7 +118,7 @@ pub fn mesh(input: &Input, programs: &[Program], options: &Options) -> Outcome<M
             attempts.push(Attempt { place: place.clone(), improvements, version, verdict, seconds });
             if let Ok(mesh) = result {
                 let moved = if let Place::Moved(amount, _) = place { amount } else { 0.0 };
-                let volumes = input.volumes(&place::vertices_after(&place, input));
+                let volumes = place.outcome(input).volumes();
                 return Ok(Meshed { mesh, program: program.clone(), attempts, volumes, moved });
             }
             logs.push(run.log);
@@ -190,7 +190,7 @@ impl Task<'_> {
         let mut mesh = read::read(&folder.join("m")).map_err(|fault| vec![fault.message])?;
         markers.restore(&mut mesh);
         place.restore(&input.plc, &mut mesh);
-        verify::verify(&mesh, input, &place::vertices_after(place, input))?;
+        verify::verify(&mesh, &place.outcome(input))?;
         mesh.regions = input.regions.iter().map(|(r, label)| (*r, label.name.clone())).collect();
         mesh.markers = input.markers.clone();
         mesh.drop_unused_nodes();

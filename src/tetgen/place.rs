@@ -6,8 +6,10 @@ use crate::geom::Vec3;
 use crate::geom::polygon::vector_area;
 use crate::ids::Id;
 use crate::io::mesh::{Mesh, NodeId};
+use crate::plc::facet::triangulate_facet;
 use crate::plc::{Plc, PlcFacet, check};
 use nalgebra::Matrix3;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// Coordinates in the turned frame are made equal if they agree to this fraction of the size: some thousand units in the last
@@ -45,21 +47,35 @@ impl Place {
     /// The complex under this change. Seeds and hole points go along.
     pub fn apply(&self, input: &Input) -> Input {
         let plc = &input.plc;
-        let mut changed = match *self {
-            Self::Split => split(input, STRIP_CORNERS),
-            Self::Moved(..) => split(input, usize::MAX),
-            _ => input.clone(),
-        };
+        let mut changed = input.clone();
         match *self {
-            Self::AsIs | Self::Split => {}
+            Self::AsIs => {}
+            Self::Split => changed = split(&changed, STRIP_CORNERS),
             Self::Turned(axes) => {
                 map(&mut changed.plc, &axes, &center(plc));
                 equalise(&mut changed.plc.vertices, EQUAL * plc.size());
             }
             Self::Bent(amount, seed) => map(&mut changed.plc, &bend(amount, seed), &center(plc)),
-            Self::Moved(amount, seed) => shake(&mut changed.plc.vertices, amount * plc.size(), seed),
+            Self::Moved(amount, seed) => {
+                shake(&mut changed.plc.vertices, amount * plc.size(), seed);
+                // Where they are now: a corner that was straight but for rounding may have gone to the other side.
+                for (facet, triangles) in changed.plc.facets.iter().zip(&mut changed.triangles) {
+                    if let Ok(new) = triangulate_facet(facet, &changed.plc.vertices) {
+                        *triangles = new;
+                    }
+                }
+                changed = split(&changed, usize::MAX);
+            }
         }
         changed
+    }
+
+    /// The complex that a result, put back, must be a mesh of.
+    pub fn outcome<'a>(&self, input: &'a Input) -> Cow<'a, Input> {
+        match self {
+            Self::Moved(..) => Cow::Owned(self.apply(input)),
+            _ => Cow::Borrowed(input),
+        }
     }
 
     /// Whether the changed complex is still one, exactly.
@@ -204,13 +220,5 @@ impl Random {
         z ^= z >> 31;
         // 53 bits, as many as a double holds.
         (z >> 11) as f64 * (2.0 / (1u64 << 53) as f64) - 1.0
-    }
-}
-
-/// The nodes that a change makes of the vertices, for what has to be computed over them.
-pub fn vertices_after(place: &Place, input: &Input) -> Vec<Vec3> {
-    match place {
-        Place::Moved(..) => place.apply(input).plc.vertices,
-        _ => input.plc.vertices.clone(),
     }
 }

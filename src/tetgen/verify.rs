@@ -17,12 +17,12 @@ fn thickness([a, b, c, d]: &[Vec3; 4]) -> f64 {
     (b - a).cross(&(c - a)).dot(&(d - a)).abs() / (6.0 * longest * longest.sqrt())
 }
 
-/// Compares a mesh with the complex it was made from, whose vertices are now `vertices`: every region's volume, every marker's
-/// area, and that no tetrahedron is flat or turned over. The tetrahedra must be in TetGen's order of corners.
+/// Compares a mesh with the complex that it is to be one of: every region's volume, every marker's area, and that no tetrahedron is
+/// flat or turned over. The tetrahedra must be in TetGen's order of corners.
 ///
 /// # Errors
 /// What is wrong, a sentence each.
-pub fn verify(mesh: &Mesh, input: &Input, vertices: &[Vec3]) -> Result<(), Vec<String>> {
+pub fn verify(mesh: &Mesh, input: &Input) -> Result<(), Vec<String>> {
     let mut faults = Vec::new();
     let sign = |t: &Tet| {
         let [a, b, c, d] = mesh.tet_points(t);
@@ -37,13 +37,13 @@ pub fn verify(mesh: &Mesh, input: &Input, vertices: &[Vec3]) -> Result<(), Vec<S
     }
     let name = |r: u32| input.regions.get(&r).map_or_else(|| format!("region {r}"), |label| format!("`{}`", label.name));
     let volumes = mesh.volumes().into_iter().map(|(r, v)| (r, v.abs())).collect();
-    compare(&input.volumes(vertices), &volumes, |r| format!("the volume of {}", name(r)), &mut faults);
+    compare(&input.volumes(), &volumes, |r| format!("the volume of {}", name(r)), &mut faults);
     let mut areas = BTreeMap::new();
     for t in mesh.triangles.iter().filter(|t| t.marker != 0) {
         let [a, b, c] = mesh.triangle_points(t);
         *areas.entry(t.marker).or_insert(0.0) += 0.5 * (b - a).cross(&(c - a)).norm();
     }
-    let mut expected = input.areas(vertices);
+    let mut expected = input.areas();
     expected.remove(&0);
     let name = |m: u32| input.markers.get(&m).map_or_else(|| format!("marker {m}"), |n| format!("`{n}`"));
     compare(&expected, &areas, |m| format!("the area of {}", name(m)), &mut faults);
