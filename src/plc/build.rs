@@ -12,14 +12,15 @@ use crate::scene::model::Part;
 /// part ids from 1. Facets get their hole points, volumes of parts a seed each (in region order), voids a hole.
 ///
 /// # Errors
-/// Internal errors only: a hole or region without inside, or no finite coordinates.
+/// Internal errors only: a facet without an outline, a hole or region without inside, or no finite coordinates.
 pub fn build(complex: &Complex, parts: &IdVec<PartId, Part>) -> Outcome<Plc> {
     let vertices: Vec<Vec3> = complex.vertices.iter().map(|v| v.point).collect();
     let mut faults = Vec::new();
     let mut facets = Vec::with_capacity(complex.facets.len());
     for (id, f) in complex.facets.enumerate() {
         match polygons_of(f, &vertices) {
-            Ok(facet) => facets.push(facet),
+            Ok(facet) if facet.polygons.iter().any(|p| p.len() > 2) => facets.push(facet),
+            Ok(_) => faults.push(Diagnostic::internal("facet-outline", format!("facet {} has no outline", id.0))),
             Err(point) => {
                 faults.push(Diagnostic::internal("facet-hole", format!("a hole of facet {} has no inside", id.0)).near(point))
             }

@@ -265,11 +265,19 @@ impl<'a> Strips<'a> {
                 _ => union.push([lo, hi]),
             }
         }
-        // What stays is at least that long, and so is the band, by half, where it begins at the ruling's end.
-        let ends = union.into_iter().flat_map(|[lo, hi]| {
-            [(lo.min(length - 0.5 * rest), lo >= rest, true), (hi.max(0.5 * rest), hi <= length - rest, false)]
-        });
-        let inside = ends.filter(|e| e.1);
-        inside.map(|(s, _, is_hot_beyond)| Cut { at: start + along * s, along, is_hot_beyond }).collect()
+        // A band at the ruling's end is half as long at least; so is what stays between two, else they become one.
+        let mut ends: Vec<(f64, bool)> = Vec::new();
+        for [lo, hi] in union {
+            let lo = (lo >= rest).then(|| lo.min(length - 0.5 * rest));
+            match (lo, ends.last()) {
+                (Some(lo), Some(last)) if lo < last.0 + 0.5 * rest => drop(ends.pop()),
+                (Some(lo), _) => ends.push((lo, true)),
+                (None, _) => {}
+            }
+            if hi <= length - rest {
+                ends.push((hi.max(0.5 * rest), false));
+            }
+        }
+        ends.into_iter().map(|(s, is_hot_beyond)| Cut { at: start + along * s, along, is_hot_beyond }).collect()
     }
 }

@@ -1,6 +1,6 @@
 //! Planar facets beside the remeshed ones: their borders may change as long as they stay simple.
 
-use super::workpiece::Workpiece;
+use super::workpiece::{NEEDLE_SINE, Workpiece};
 use crate::geom::Vec3;
 use crate::geom::predicates::{Projection, orient2d};
 use crate::ids::{FacetId, VertexId};
@@ -35,7 +35,8 @@ type Point = [f64; 2];
 
 impl Workpiece {
     /// Whether a polygon stays simple, with every hole and every vertex on the same side of its borders: no new border edge
-    /// touches another edge, and no vertex lies in the area that the border sweeps over. Exact signs in the dominant projection.
+    /// touches another edge, and no vertex lies in the area that the border sweeps over. Exact signs in the dominant projection. Nor
+    /// may corners come so near to each other that what hangs on them becomes a needle.
     pub fn polygon_stays_simple(&self, facet: FacetId, change: Change) -> bool {
         let walks: Vec<Vec<VertexId>> =
             self.brep.topology.loops(facet).map(|l| self.brep.topology.corners(l).collect()).collect();
@@ -66,7 +67,7 @@ impl Workpiece {
                     }
                     _ => continue,
                 };
-                if !path.is_clear(&walks, &flat) {
+                if path.makes_needle(&flat) || !path.is_clear(&walks, &flat) {
                     return false;
                 }
             }
@@ -83,6 +84,21 @@ struct Path {
 }
 
 impl Path {
+    /// Whether the new corner is much nearer to one end than to the other, and nearer than the old one was.
+    fn makes_needle(&self, flat: &impl Fn(VertexId) -> Point) -> bool {
+        let Some(new) = self.new else { return false };
+        let distance = |p: Point, end: VertexId| {
+            let q = flat(end);
+            libm::hypot(p[0] - q[0], p[1] - q[1])
+        };
+        let [a, b] = self.ends;
+        let comes_near = |end, other| {
+            let near = distance(new, end);
+            near < NEEDLE_SINE * distance(new, other) && self.old.is_none_or(|old| near < distance(flat(old), end))
+        };
+        comes_near(a, b) || comes_near(b, a)
+    }
+
     fn is_clear(&self, walks: &[Vec<VertexId>], flat: &impl Fn(VertexId) -> Point) -> bool {
         let [a, b] = self.ends.map(flat);
         let segments: Vec<[Point; 2]> = match self.new {

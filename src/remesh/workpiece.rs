@@ -35,7 +35,7 @@ const FLIPPED_COSINE: f64 = 0.26;
 
 /// Sine of the smallest angle below which a triangle is a needle: it has no side that faces anywhere, and folds over if its vertices
 /// move by rounding (0.006 degrees; what features need is made by the evaluator, and stays).
-const NEEDLE_SINE: f64 = 1e-4;
+pub(super) const NEEDLE_SINE: f64 = 1e-4;
 
 /// What a triangle is like, or would be.
 #[derive(Clone, Copy, PartialEq, Debug)]

@@ -10,10 +10,13 @@ use std::collections::BTreeMap;
 /// coordinates of an oblique polygon leaves, and a little for measuring it.
 const PLANARITY_ULPS: f64 = 4.0;
 
-/// Facets with polygons that list a vertex twice in a row, or have no area to begin with.
+/// Facets without an outline, or with polygons that list a vertex twice in a row.
 pub fn malformed(subject: &Subject) -> Vec<Diagnostic> {
     let mut findings = Vec::new();
     for (k, f) in subject.plc.facets.iter().enumerate() {
+        if f.polygons.iter().all(|p| p.len() < 3) {
+            findings.push(Diagnostic::error("bad-polygon", format!("{} has no outline", subject.facet_name(k as u32))));
+        }
         for polygon in f.polygons.iter().filter(|p| p.len() > 1) {
             let repeated = (0..polygon.len()).find(|&i| polygon[i] == polygon[(i + 1) % polygon.len()]);
             if let Some(i) = repeated {

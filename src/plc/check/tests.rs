@@ -32,6 +32,8 @@ fn seeded_defects_are_found_one_by_one() {
             }),
             ["two-seeds"]
         );
+        let empty = PlcFacet { polygons: vec![vec![0, 1]], ..PlcFacet::default() };
+        assert_eq!(codes(&sample, |p| p.facets.push(empty.clone()))[0], "bad-polygon");
         let outside = |p: &mut Plc| p.seeds.push(Seed { point: Vec3::repeat(50.0), region: 9, max_volume: None });
         assert_eq!(codes(&sample, outside), ["seed-outside"]);
         assert_eq!(codes(&sample, |p| p.vertices.push(Vec3::repeat(7.0))), ["orphan-vertex"]);
