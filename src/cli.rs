@@ -1,5 +1,6 @@
 //! The command line: definitions only.
 
+use crate::scene::model::RemeshMode;
 use clap::{Args, Parser, Subcommand};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -38,9 +39,9 @@ pub struct BuildArgs {
     /// Where to write; the manifest goes beside it [default: NAME.poly in the current folder].
     #[arg(short, long, value_name = "PATH.poly")]
     pub output: Option<PathBuf>,
-    /// Set a parameter of the scene, e.g. --set gap=0.8mm; may be given several times.
-    #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
-    pub set: Vec<(String, String)>,
+    /// Changes to the scene.
+    #[command(flatten)]
+    pub changes: Changes,
     /// Options of every command.
     #[command(flatten)]
     pub common: Common,
@@ -51,9 +52,9 @@ pub struct BuildArgs {
 pub struct CheckArgs {
     /// Scene (built, nothing is written), .poly or .smesh; names come from the manifest beside it.
     pub path: PathBuf,
-    /// Set a parameter of the scene, e.g. --set gap=0.8mm; may be given several times.
-    #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
-    pub set: Vec<(String, String)>,
+    /// Changes to the scene.
+    #[command(flatten)]
+    pub changes: Changes,
     /// Options of every command.
     #[command(flatten)]
     pub common: Common,
@@ -71,9 +72,9 @@ pub struct MeshArgs {
     /// Version of .msh files.
     #[arg(long, value_enum, default_value_t = MshVersion::V22, value_name = "VERSION")]
     pub msh: MshVersion,
-    /// Set a parameter of the scene, e.g. --set gap=0.8mm; may be given several times.
-    #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
-    pub set: Vec<(String, String)>,
+    /// Changes to the scene.
+    #[command(flatten)]
+    pub changes: Changes,
     /// TetGen program [default: the variable GSM_TETGEN, else tetgen on PATH].
     #[arg(long, value_name = "PROGRAM")]
     pub tetgen: Option<PathBuf>,
@@ -171,6 +172,17 @@ pub enum MshVersion {
     V41,
 }
 
+/// What the command line changes in a scene.
+#[derive(Args, Debug, Clone, Default)]
+pub struct Changes {
+    /// Set a parameter of the scene, e.g. --set gap=0.8mm; may be given several times.
+    #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
+    pub set: Vec<(String, String)>,
+    /// Which curved facets are remeshed: full, interfaces, or off [default: the scene's, else interfaces].
+    #[arg(long, value_name = "MODE", value_parser = remesh_mode)]
+    pub remesh: Option<RemeshMode>,
+}
+
 /// Options of every command.
 #[derive(Args, Debug, Clone, Default)]
 pub struct Common {
@@ -192,6 +204,16 @@ fn assignment(text: &str) -> Result<(String, String), String> {
             Ok((name.trim().to_owned(), value.trim().to_owned()))
         }
         _ => Err("expected NAME=VALUE, e.g. gap=0.8mm".to_owned()),
+    }
+}
+
+/// A mode of the remesher, in lower or upper case.
+fn remesh_mode(text: &str) -> Result<RemeshMode, String> {
+    match text.to_ascii_lowercase().as_str() {
+        "full" => Ok(RemeshMode::Full),
+        "interfaces" => Ok(RemeshMode::Interfaces),
+        "off" => Ok(RemeshMode::Off),
+        _ => Err("expected full, interfaces or off".to_owned()),
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::arrangement::Statistics;
 use crate::brep::complex::Complex;
+use crate::cli::Changes;
 use crate::diag::{Diagnostic, Outcome};
 use crate::evaluate;
 use crate::io::manifest::Manifest;
@@ -36,13 +37,14 @@ pub struct Model {
     pub timings: Timings,
 }
 
-/// Builds the scene at `path` with parameters set from outside; `timings` is empty and is carried through.
+/// Builds the scene at `path` with what the command line changes; `timings` is empty and is carried through.
 ///
 /// # Errors
 /// All faults that the first failing stage found, after the warnings of the stages before.
-pub fn run(path: &Path, overrides: &[(String, String)], mut timings: Timings) -> Outcome<Model> {
-    let loaded = timings.measure("scene", || scene::load(path, overrides, &Limits::default()))?;
-    let (scene, warnings) = (loaded.scene, loaded.warnings);
+pub fn run(path: &Path, changes: &Changes, mut timings: Timings) -> Outcome<Model> {
+    let loaded = timings.measure("scene", || scene::load(path, &changes.set, &Limits::default()))?;
+    let (mut scene, warnings) = (loaded.scene, loaded.warnings);
+    scene.remesh.mode = changes.remesh.unwrap_or(scene.remesh.mode);
     // Inside the pool of threads, so that each parallel loop does not have to wake it.
     rayon::scope(|_| build(scene, warnings.clone(), timings)).map_err(|faults| [warnings, faults].concat())
 }

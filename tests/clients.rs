@@ -121,6 +121,28 @@ fn a_missed_threshold_is_exit_code_3_and_a_missing_tetgen_4() {
     assert!(!folder.join("x.msh").exists());
 }
 
+/// A TetGen that dies of more than 400 vertices: union_two_differences has them only when it is remeshed.
+#[test]
+fn where_tetgen_fails_on_remeshed_surfaces_they_are_left_as_evaluated() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = folder("fallback");
+    let program = folder.join("weak_tetgen");
+    let script = "#!/bin/sh\nn=$(grep -v '^#' m.poly 2>/dev/null | head -1 | cut -d' ' -f1)\n\
+                  [ \"${n:-0}\" -gt 400 ] && kill -ABRT $$\nexec tetgen \"$@\"\n";
+    fs::write(&program, script).unwrap();
+    fs::set_permissions(&program, fs::Permissions::from_mode(0o755)).unwrap();
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/union_two_differences.ron");
+    let report: serde_json::Value =
+        serde_json::from_str(&gsm(&["mesh", text(&scene), "--tetgen", text(&program), "--json"], &folder)).unwrap();
+    let warnings: Vec<&str> = report["warnings"].as_array().unwrap().iter().filter_map(|w| w["code"].as_str()).collect();
+    assert_eq!(warnings, ["not-remeshed"]);
+    assert_eq!(report["attempts"].as_array().unwrap().len(), 1);
+    let plain = gsm(&["mesh", text(&scene), "--remesh", "off", "--json", "-o", "plain.msh"], &folder);
+    let plain: serde_json::Value = serde_json::from_str(&plain).unwrap();
+    assert_eq!(plain["warnings"].as_array().unwrap().len(), 0);
+    assert_eq!(fs::read(folder.join("plain.msh")).unwrap(), fs::read(folder.join("union_two_differences.msh")).unwrap());
+}
+
 #[test]
 fn two_commands_from_nothing_to_a_mesh() {
     let folder = folder("new");

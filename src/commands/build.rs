@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 pub fn run(args: &BuildArgs, session: &mut Session) -> io::Result<Exit> {
     session.set_threads();
     let timings = Timings { on_begin: session.progress(), ..Timings::default() };
-    let mut model = match pipeline::run(&args.scene, &args.set, timings) {
+    let mut model = match pipeline::run(&args.scene, &args.changes, timings) {
         Ok(model) => model,
         Err(faults) => return complain(faults, args, session, ""),
     };

@@ -1,7 +1,7 @@
 //! `gsm mesh`: from a scene to a volume mesh for solvers.
 
 use super::session::{Exit, Session};
-use crate::cli::{MeshArgs, MshVersion};
+use crate::cli::{Changes, MeshArgs, MshVersion};
 use crate::diag::Diagnostic;
 use crate::io::atomic::{self, NewFile};
 use crate::io::format::{self, Format};
@@ -11,7 +11,7 @@ use crate::pipeline;
 use crate::report::timing::Timings;
 use crate::report::volume::VolumeReport;
 use crate::scene;
-use crate::scene::model::{MeshOptions, Thresholds};
+use crate::scene::model::{MeshOptions, RemeshMode, Thresholds};
 use crate::tetgen::{self, Input, Meshed, Options, Program, find};
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -48,6 +48,8 @@ struct Task {
     input: Input,
     manifest: Option<Manifest>,
     wanted: MeshOptions,
+    /// Whether facets may be other than evaluated.
+    is_remeshed: bool,
     name: String,
     warnings: Vec<Diagnostic>,
 }
@@ -67,7 +69,7 @@ pub fn run(args: &MeshArgs, session: &mut Session) -> io::Result<Exit> {
     if let Some(fault) = args.output.iter().find_map(|path| Format::of(path).err()) {
         return complain(vec![fault], args, session, Exit::Usage);
     }
-    let task = match load(args, &mut timings) {
+    let mut task = match load(args, &args.changes, &mut timings) {
         Ok(task) => task,
         Err(faults) => {
             let exit = Exit::of(&faults);
@@ -75,7 +77,16 @@ pub fn run(args: &MeshArgs, session: &mut Session) -> io::Result<Exit> {
         }
     };
     let options = options(args, &task.wanted);
-    let meshed = match timings.measure("tetgen", || tetgen::mesh(&task.input, &programs, &options)) {
+    let mut result = timings.measure("tetgen", || tetgen::mesh(&task.input, &programs, &options));
+    if let Err(faults) = &result
+        && task.is_remeshed
+        && let Some(failure) = faults.iter().find(|f| f.code == "tetgen-failed")
+        && let Ok(plain) = without_remeshing(failure, args, &mut timings)
+    {
+        task = plain;
+        result = timings.measure("tetgen", || tetgen::mesh(&task.input, &programs, &options));
+    }
+    let meshed = match result {
         Ok(meshed) => meshed,
         Err(faults) => return complain([task.warnings, faults].concat(), args, session, Exit::Outside),
     };
@@ -89,21 +100,31 @@ pub fn run(args: &MeshArgs, session: &mut Session) -> io::Result<Exit> {
     report(args, session, &task, &meshed, &outputs, options.ratio, timings)
 }
 
+/// The scene with its surfaces as they were evaluated: what is left to try where TetGen fails on remeshed ones.
+fn without_remeshing(failure: &Diagnostic, args: &MeshArgs, timings: &mut Timings) -> Result<Task, Vec<Diagnostic>> {
+    let off = Changes { remesh: Some(RemeshMode::Off), ..args.changes.clone() };
+    let mut task = load(args, &off, timings)?;
+    let message = format!("{} of the remeshed surfaces; they are now as evaluated", failure.message);
+    task.warnings.push(Diagnostic::warning("not-remeshed", message).hint("`--remesh off` does this at once"));
+    Ok(task)
+}
+
 /// A scene through the pipeline, or a .poly with its manifest.
-fn load(args: &MeshArgs, timings: &mut Timings) -> Result<Task, Vec<Diagnostic>> {
+fn load(args: &MeshArgs, changes: &Changes, timings: &mut Timings) -> Result<Task, Vec<Diagnostic>> {
     if args.path.extension().is_some_and(|e| e == "poly" || e == "smesh") {
         let one = |fault| vec![fault];
         let manifest = Manifest::beside(&args.path).map_err(one)?;
         let plc = poly::read(&args.path).map_err(one)?;
         let input = timings.measure("check", || Input::from_plc(plc, manifest.as_ref()))?;
         let name = args.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        return Ok(Task { input, manifest, wanted: MeshOptions::default(), name, warnings: Vec::new() });
+        return Ok(Task { input, manifest, wanted: MeshOptions::default(), name, warnings: Vec::new(), is_remeshed: false });
     }
-    let model = pipeline::run(&args.path, &args.set, std::mem::take(timings))?;
+    let model = pipeline::run(&args.path, changes, std::mem::take(timings))?;
     *timings = model.timings;
     Ok(Task {
         input: Input::new(model.plc, &model.complex, &model.scene.parts),
         manifest: Some(model.manifest),
+        is_remeshed: model.scene.remesh.mode != RemeshMode::Off,
         wanted: model.scene.mesh,
         name: model.scene.name,
         warnings: model.warnings,
