@@ -150,7 +150,8 @@ fn pairs_of_equal_turned_squares_make_a_star_without_starting_again() {
         format!("Rotate(axis: Z, angle: {angle:?}, solid: Block(size: (2, 2, 1), center: (0, 0, 0)))")
     };
     let squares: Vec<String> = (0..2 * DISTINCT).map(turned).collect();
-    let text = format!("Scene(units: \"mm\", remesh: Off, parts: [Part(name: \"it\", solid: Union([{}]))])", squares.join(", "));
+    let text =
+        format!("Scene(units: \"mm\", remesh: Off, parts: [Part(name: \"it\", solid: Union([{}]))])", squares.join(", "));
     let limits = crate::scene::Limits::default();
     let (scene, _) = crate::scene::parse("pile", std::path::Path::new("."), &text, &[], &limits).unwrap();
     let solids = crate::primitive::build(&scene).unwrap();

@@ -53,7 +53,7 @@ pub fn triangulate(mut loops: Loops, points: &[Vec3], flatness: f64) -> Result<V
                 pieces.push(Piece { facet, loops, triangles });
             }
             Ok(triangles) if polygon::is_planar(&walks, points, flatness) => {
-                pieces.extend(parts(&loops, &triangles, points).into_iter().map(|(l, t)| Piece { facet, loops: l, triangles: t }));
+                pieces.extend(parts(facet, &loops, &triangles, points));
             }
             Ok(triangles) => {
                 pieces.extend(triangles.into_iter().map(|t| Piece { facet, loops: vec![t.to_vec()], triangles: vec![t] }));
@@ -110,7 +110,7 @@ fn edges_of(t: &[u32; 3]) -> impl Iterator<Item = [u32; 2]> {
 }
 
 /// The polygons that a polygon falls apart into, with their triangles.
-pub fn parts(loops: &[Vec<u32>], triangles: &[[u32; 3]], points: &[Vec3]) -> Vec<(Vec<Vec<u32>>, Vec<[u32; 3]>)> {
+pub fn parts(facet: usize, loops: &[Vec<u32>], triangles: &[[u32; 3]], points: &[Vec3]) -> Vec<Piece> {
     let walks: Vec<&[u32]> = loops.iter().map(Vec::as_slice).collect();
     let touching = touching_edges(&walks);
     let (set_of, count) = connected(&touching, triangles);
@@ -127,7 +127,7 @@ pub fn parts(loops: &[Vec<u32>], triangles: &[[u32; 3]], points: &[Vec3]) -> Vec
         let is_lone = |p: u32| own.iter().flatten().any(|&v| v == p) && !own_loops.iter().flatten().any(|&v| v == p);
         let lone: Vec<Vec<u32>> = loops.iter().filter(|w| w.len() == 1 && is_lone(w[0])).cloned().collect();
         own_loops.extend(lone);
-        (own_loops, own)
+        Piece { facet, loops: own_loops, triangles: own }
     };
     (0..count).map(part).collect()
 }

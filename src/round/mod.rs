@@ -9,7 +9,8 @@
 //! 3. `facets`: every polygon is triangulated over its vertices; a polygon that is not planar to rounding (contact moved its
 //!    vertices within the tolerance) is written as its triangles. Where an edge passes through a vertex of its own facet, the
 //!    vertex becomes one of the edge (`touching`).
-//! 4. `verify`: the triangles are tested exactly against each other, and the order of the facets around every edge.
+//! 4. `verify`: the triangles are tested exactly against each other, and the order of the facets around every edge. What the
+//!    rounded facets enclose are the volumes: rounding may close a neck, or put an edge into another facet, which then lists it.
 //! 5. `repair`: where that fails, the rounded triangles are cut against each other and rounded again. What fails in the end is
 //!    reported to the caller: a broken complex is never taken for a valid one.
 //! 6. `regions`: volumes are joined across nested components by exact rays, and numbered.
@@ -114,16 +115,14 @@ fn settle(
     let mut repairs = Repairs::default();
     if let Err(faults) = &checked {
         repairs.contacts = faults.len();
-        eprintln!("FAULTS {faults:?}");
         regions::number(complex, parts, reach)?;
         *parts = complex.regions.iter().map(|r| r.part).collect();
     }
     while checked.is_err() && repairs.rounds < repair::MAX_ROUNDS {
-        let draft = match repair::cut_again(complex, reach) { Ok(d)=>d, Err(e)=>{eprintln!("CUT {e:?}"); break} };
+        let Ok(draft) = repair::cut_again(complex, reach) else { break };
         fill(complex, draft, reach)?;
         checked = check(complex, parts);
         repairs.rounds += 1;
-        eprintln!("ROUND {} {:?}", repairs.rounds, checked.as_ref().err());
     }
     Ok((repairs, checked))
 }
@@ -134,7 +133,6 @@ fn check(complex: &mut Complex, parts: &[Option<PartId>]) -> Result<verify::Volu
     if found.unlisted.is_empty() {
         return Ok(found);
     }
-    eprintln!("UNLISTED {:?}", found.unlisted);
     touching::list(complex, found.unlisted);
     verify::check(complex, parts)
 }
