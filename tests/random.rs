@@ -30,8 +30,9 @@ fn volume(solid: &str) -> Result<f64, String> {
 fn volumes(a: &str, b: &str) -> Result<[f64; 2], String> {
     let centres = sphere_centres(b);
     if sphere_centres(a).iter().any(|c| centres.contains(c)) {
-        let beside = |solid: &str, other: &str| volume(&format!("Union([{solid}, Intersection([{solid}, {other}])])"));
-        return Ok([beside(a, b)?, beside(b, a)?]);
+        // The first of them tells how.
+        let both = format!("Intersection([{a}, {b}])");
+        return Ok([volume(&format!("Union([{a}, {both}])"))?, volume(&format!("Union([{both}, {b}])"))?]);
     }
     Ok([volume(a)?, volume(b)?])
 }
