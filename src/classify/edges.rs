@@ -134,14 +134,17 @@ impl EdgeUses {
 
     /// Pairs of sides that face each other across an edge: twice the sub-cell, plus one for its back.
     pub fn facing(&self) -> impl Iterator<Item = [u32; 2]> {
-        self.groups().flat_map(move |group| {
-            (0..group.len()).map(move |k| {
-                let (i, j) = (group[k] as usize, group[(k + 1) % group.len()] as usize);
-                // Turning counter-clockwise one leaves a forward piece at its front, and meets a forward piece at its back.
-                let leaves = 2 * self.cell_of[i] + u32::from(!self.is_forward[i]);
-                let meets = 2 * self.cell_of[j] + u32::from(self.is_forward[j]);
-                [leaves, meets]
-            })
+        self.groups().flat_map(|group| self.facing_in(group))
+    }
+
+    /// The pairs of sides that face each other at one edge, of a group or some of its corners in its order.
+    pub fn facing_in(&self, group: &[u32]) -> impl Iterator<Item = [u32; 2]> {
+        (0..group.len()).map(move |k| {
+            let (i, j) = (group[k] as usize, group[(k + 1) % group.len()] as usize);
+            // Turning counter-clockwise one leaves a forward piece at its front, and meets a forward piece at its back.
+            let leaves = 2 * self.cell_of[i] + u32::from(!self.is_forward[i]);
+            let meets = 2 * self.cell_of[j] + u32::from(self.is_forward[j]);
+            [leaves, meets]
         })
     }
 

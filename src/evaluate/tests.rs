@@ -140,3 +140,28 @@ fn coplanar_faces_in_every_operation() {
         assert_eq!(-volumes(&complex)[0], volume, "{operation:?}");
     }
 }
+
+/// Squares that turn over each other are not cut where they cross inside the star: that must not join inside and outside.
+#[test]
+fn pairs_of_equal_turned_squares_make_a_star_without_starting_again() {
+    const DISTINCT: usize = 17;
+    let turned = |k: usize| {
+        let angle = 180.0 * k as f64 / DISTINCT as f64;
+        format!("Rotate(axis: Z, angle: {angle:?}, solid: Block(size: (2, 2, 1), center: (0, 0, 0)))")
+    };
+    let squares: Vec<String> = (0..2 * DISTINCT).map(turned).collect();
+    let text =
+        format!("Scene(units: \"mm\", remesh: Off, parts: [Part(name: \"it\", solid: Union([{}]))])", squares.join(", "));
+    let limits = crate::scene::Limits::default();
+    let (scene, _) = crate::scene::parse("pile", std::path::Path::new("."), &text, &[], &limits).unwrap();
+    let solids = crate::primitive::build(&scene).unwrap();
+    let size = size::of(&scene, &solids);
+    let culled = cull::cull(&scene, &solids, scene.tolerance * size).unwrap();
+    let complex = evaluate_pieces(&scene, &solids, Some(&culled), size, &mut Timings::default()).unwrap().complex;
+    // The outline is a side of a square from every corner halfway to the next.
+    let half = std::f64::consts::FRAC_PI_4 / DISTINCT as f64;
+    let area = 4.0 * DISTINCT as f64 * (1.0 - libm::tan(std::f64::consts::FRAC_PI_4 - half));
+    let volume = crate::plc::measure::measure(&complex).volumes[crate::ids::RegionId(1)];
+    assert!((volume - area).abs() < 1e-9, "{volume} {area}");
+    assert_eq!(complex.regions.len(), 2);
+}

@@ -58,12 +58,7 @@ pub fn tidy(facet: &mut Vec<Vec<u32>>, points: &[Vec3]) {
         }
     }
     *facet = simple_loops(left.into_iter().flatten().collect());
-    let size = |walk: &Vec<u32>| polygon::vector_area([&walk[..]], points).norm();
-    let sizes: Vec<f64> = facet.iter().map(size).collect();
-    let outer = (0..sizes.len()).fold(0, |m, k| if sizes[k] > sizes[m] { k } else { m });
-    if !facet.is_empty() {
-        facet[..=outer].rotate_right(1);
-    }
+    put_outer_first(facet, points);
     touching.iter_mut().for_each(|t| t.sort_unstable());
     touching.sort_unstable_by_key(|t| (std::cmp::Reverse(t.len()), t.clone()));
     touching.dedup();
@@ -80,6 +75,16 @@ pub fn tidy(facet: &mut Vec<Vec<u32>>, points: &[Vec3]) {
     }
 }
 
+/// The loop of the largest area comes first.
+pub fn put_outer_first(facet: &mut [Vec<u32>], points: &[Vec3]) {
+    let size = |walk: &Vec<u32>| polygon::vector_area([&walk[..]], points).norm();
+    let sizes: Vec<f64> = facet.iter().map(size).collect();
+    let outer = (0..sizes.len()).fold(0, |m, k| if sizes[k] > sizes[m] { k } else { m });
+    if !facet.is_empty() {
+        facet[..=outer].rotate_right(1);
+    }
+}
+
 /// Whether loops visit a vertex twice.
 fn has_repeats(facet: &[Vec<u32>]) -> bool {
     if let [walk] = facet
@@ -93,7 +98,7 @@ fn has_repeats(facet: &[Vec<u32>]) -> bool {
 }
 
 /// Closed walks over directed edges, cut at vertices that they visit twice. As many edges end in a vertex as begin there.
-fn simple_loops(edges: Vec<[u32; 2]>) -> Vec<Vec<u32>> {
+pub fn simple_loops(edges: Vec<[u32; 2]>) -> Vec<Vec<u32>> {
     let mut from: IndexMap<u32, Vec<usize>> = IndexMap::default();
     for (k, edge) in edges.iter().enumerate().rev() {
         from.entry(edge[0]).or_default().push(k);

@@ -1,6 +1,6 @@
 //! Triangulations of the rounded polygons.
 
-use super::collapse::Loops;
+use super::collapse::{self, Loops};
 use super::touching;
 use crate::diag::Diagnostic;
 use crate::geom::Vec3;
@@ -52,6 +52,9 @@ pub fn triangulate(mut loops: Loops, points: &[Vec3], flatness: f64) -> Result<V
             Ok(triangles) if triangles.len() == 1 || is_whole(&walks, &triangles, points, flatness) => {
                 pieces.push(Piece { facet, loops, triangles });
             }
+            Ok(triangles) if polygon::is_planar(&walks, points, flatness) => {
+                pieces.extend(parts(facet, &loops, &triangles, points));
+            }
             Ok(triangles) => {
                 pieces.extend(triangles.into_iter().map(|t| Piece { facet, loops: vec![t.to_vec()], triangles: vec![t] }));
             }
@@ -81,18 +84,52 @@ fn is_whole(walks: &[&[u32]], triangles: &[[u32; 3]], points: &[Vec3], flatness:
 
 /// Whether triangles hang together in vertices only, or over edges in which something touches from rim to rim.
 fn falls_apart(walks: &[&[u32]], triangles: &[[u32; 3]]) -> bool {
-    let touching: Vec<[u32; 2]> =
-        walks.iter().filter_map(|w| if let &[a, b] = *w { Some([a.min(b), a.max(b)]) } else { None }).collect();
-    let mut edges: Vec<([u32; 2], usize)> = Vec::with_capacity(3 * triangles.len());
+    connected(&touching_edges(walks), triangles).1 > 1
+}
+
+fn touching_edges(walks: &[&[u32]]) -> Vec<[u32; 2]> {
+    walks.iter().filter_map(|w| if let &[a, b] = *w { Some([a.min(b), a.max(b)]) } else { None }).collect()
+}
+
+/// Triangles that hang together over edges other than the touching ones: the set of each, and the number of sets.
+fn connected(touching: &[[u32; 2]], triangles: &[[u32; 3]]) -> (Vec<u32>, usize) {
+    let mut edges: Vec<([u32; 2], u32)> = Vec::with_capacity(3 * triangles.len());
     for (t, corners) in triangles.iter().enumerate() {
-        edges.extend((0..3).map(|k| (corners[k], corners[(k + 1) % 3])).map(|(a, b)| ([a.min(b), a.max(b)], t)));
+        edges.extend(edges_of(corners).map(|[a, b]| ([a.min(b), a.max(b)], t as u32)));
     }
     edges.sort_unstable();
     let mut sets = UnionFind::new(triangles.len());
     for pair in edges.windows(2).filter(|w| w[0].0 == w[1].0 && !touching.contains(&w[0].0)) {
-        sets.join(pair[0].1 as u32, pair[1].1 as u32);
+        sets.join(pair[0].1, pair[1].1);
     }
-    sets.number().1 > 1
+    sets.number()
+}
+
+fn edges_of(t: &[u32; 3]) -> impl Iterator<Item = [u32; 2]> {
+    [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]].into_iter()
+}
+
+/// The polygons that a polygon falls apart into, with their triangles.
+pub fn parts(facet: usize, loops: &[Vec<u32>], triangles: &[[u32; 3]], points: &[Vec3]) -> Vec<Piece> {
+    let walks: Vec<&[u32]> = loops.iter().map(Vec::as_slice).collect();
+    let touching = touching_edges(&walks);
+    let (set_of, count) = connected(&touching, triangles);
+    let part = |set: usize| {
+        let own: Vec<[u32; 3]> = (0..triangles.len()).filter(|&t| set_of[t] as usize == set).map(|t| triangles[t]).collect();
+        let mut edges: Vec<[u32; 2]> = own.iter().flat_map(edges_of).collect();
+        let mut sorted = edges.clone();
+        sorted.sort_unstable();
+        let has = |edge: &[u32; 2]| sorted.binary_search(edge).is_ok();
+        edges.retain(|&[a, b]| !has(&[b, a]));
+        let mut own_loops = collapse::simple_loops(edges);
+        collapse::put_outer_first(&mut own_loops, points);
+        own_loops.extend(touching.iter().filter(|&&[a, b]| has(&[a, b]) && has(&[b, a])).map(|e| e.to_vec()));
+        let is_lone = |p: u32| own.iter().flatten().any(|&v| v == p) && !own_loops.iter().flatten().any(|&v| v == p);
+        let lone: Vec<Vec<u32>> = loops.iter().filter(|w| w.len() == 1 && is_lone(w[0])).cloned().collect();
+        own_loops.extend(lone);
+        Piece { facet, loops: own_loops, triangles: own }
+    };
+    (0..count).map(part).collect()
 }
 
 #[cfg(test)]
@@ -106,6 +143,18 @@ mod tests {
         let count = |loops: Vec<Vec<u32>>| triangulate(vec![loops], &points, 1e-15).unwrap().len();
         let rim = vec![0, 5, 1, 2, 6, 3];
         assert_eq!(count(vec![rim.clone(), vec![5, 4]]), 1);
-        assert_eq!(count(vec![rim, vec![5, 4], vec![4, 6]]), 6);
+        assert_eq!(count(vec![rim, vec![5, 4], vec![4, 6]]), 2);
+    }
+
+    #[test]
+    fn what_lies_in_a_part_stays_with_it() {
+        let p = |x: f64, y: f64| Vec3::new(x, y, 0.0);
+        let points = [p(0., 0.), p(4., 0.), p(4., 4.), p(0., 4.), p(1., 1.), p(3., 2.)];
+        // A square with an edge along its diagonal, one in the middle of it, and a point.
+        let loops = vec![vec![0, 1, 2, 3], vec![0, 4], vec![4, 2], vec![5]];
+        let pieces = triangulate(vec![loops], &points, 1e-15).unwrap();
+        let found: Vec<Vec<Vec<u32>>> = pieces.into_iter().map(|p| p.loops).collect();
+        assert_eq!(found.len(), 2);
+        assert!(found.iter().any(|l| l.len() == 2 && l[1] == [5]), "{found:?}");
     }
 }

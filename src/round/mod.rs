@@ -9,7 +9,8 @@
 //! 3. `facets`: every polygon is triangulated over its vertices; a polygon that is not planar to rounding (contact moved its
 //!    vertices within the tolerance) is written as its triangles. Where an edge passes through a vertex of its own facet, the
 //!    vertex becomes one of the edge (`touching`).
-//! 4. `verify`: the triangles are tested exactly against each other, and the order of the facets around every edge.
+//! 4. `verify`: the triangles are tested exactly against each other, and the order of the facets around every edge. What the
+//!    rounded facets enclose are the volumes: rounding may close a neck, or put an edge into another facet, which then lists it.
 //! 5. `repair`: where that fails, the rounded triangles are cut against each other and rounded again. What fails in the end is
 //!    reported to the caller: a broken complex is never taken for a valid one.
 //! 6. `regions`: volumes are joined across nested components by exact rays, and numbered.
@@ -92,40 +93,60 @@ pub fn round(
     dissolve::dissolve(&mut draft.loops, &draft.places, tolerance.max(reach));
     let mut complex = Complex { surfaces, markers: std::mem::take(&mut selected.markers), ..Default::default() };
     fill(&mut complex, draft, reach)?;
-    let (repairs, faults) = settle(&mut complex, &selected.part_of_volume, reach)?;
-    if !faults.is_empty() {
-        return Ok(Rounded::Broken { complex, faults });
-    }
+    let (repairs, checked) = settle(&mut complex, &mut selected.part_of_volume, reach)?;
+    let volumes = match checked {
+        Ok(volumes) => volumes,
+        Err(faults) => return Ok(Rounded::Broken { complex, faults }),
+    };
+    renumber(&mut complex, &selected.part_of_volume, &volumes, reach)?;
     freedom::assign(&mut complex, solids);
     complex.killed = killed(&selected, arrangement);
     Ok(Rounded::Valid { complex, repairs })
 }
 
-/// Numbers the regions and cuts the facets again until they are a complex; where they still are none in the end. `parts` are those of
-/// the volumes that are the sides of facets.
-fn settle(complex: &mut Complex, parts: &[Option<PartId>], reach: f64) -> Result<(Repairs, Vec<Fault>), Diagnostic> {
-    let mut faults = verify::check(complex, parts);
-    regions::number(complex, parts)?;
-    if faults.is_empty() {
-        return Ok((Repairs::default(), faults));
+/// Cuts the facets again until they are a complex; what they enclose, or where they still are none in the end. `parts` are those
+/// of the volumes that are the sides of facets, and become those of regions if something is cut.
+fn settle(
+    complex: &mut Complex,
+    parts: &mut Vec<Option<PartId>>,
+    reach: f64,
+) -> Result<(Repairs, Result<verify::Volumes, Vec<Fault>>), Diagnostic> {
+    let mut checked = check(complex, parts);
+    let mut repairs = Repairs::default();
+    if let Err(faults) = &checked {
+        repairs.contacts = faults.len();
+        regions::number(complex, parts, reach)?;
+        *parts = complex.regions.iter().map(|r| r.part).collect();
     }
-    let before = complex.clone();
-    let is_embedded = faults.iter().all(|f| f.is_turned_over());
-    let parts: Vec<Option<PartId>> = complex.regions.iter().map(|r| r.part).collect();
-    let mut repairs = Repairs { rounds: 0, contacts: faults.len() };
-    while !faults.is_empty() && repairs.rounds < repair::MAX_ROUNDS {
+    while checked.is_err() && repairs.rounds < repair::MAX_ROUNDS {
         let Ok(draft) = repair::cut_again(complex, reach) else { break };
         fill(complex, draft, reach)?;
-        faults = verify::check(complex, &parts);
+        checked = check(complex, parts);
         repairs.rounds += 1;
     }
-    regions::number(complex, &parts)?;
-    // Needles turned over that would become regions of their own, without room for a seed, stay as they are.
-    if is_embedded && (!faults.is_empty() || complex.regions.len() > before.regions.len()) {
-        *complex = before;
-        return Ok((Repairs::default(), Vec::new()));
+    Ok((repairs, checked))
+}
+
+/// What facets enclose, once those list all that lies in them.
+fn check(complex: &mut Complex, parts: &[Option<PartId>]) -> Result<verify::Volumes, Vec<Fault>> {
+    let found = verify::check(complex, parts)?;
+    if found.unlisted.is_empty() {
+        return Ok(found);
     }
-    Ok((repairs, faults))
+    touching::list(complex, found.unlisted);
+    verify::check(complex, parts)
+}
+
+/// Regions are what the rounded facets enclose: rounding may close a neck that joined two of them.
+fn renumber(complex: &mut Complex, parts: &[Option<PartId>], found: &verify::Volumes, reach: f64) -> Result<(), Diagnostic> {
+    let mut part_of_volume = vec![None; found.count];
+    for (facet, sides) in complex.facets.iter_mut().zip(&found.sides) {
+        for (old, &new) in facet.sides.iter_mut().zip(sides) {
+            part_of_volume[new as usize] = parts[old.index()];
+            *old = RegionId(new);
+        }
+    }
+    regions::number(complex, &part_of_volume, reach)
 }
 
 /// The selected facets; their sides are volumes.

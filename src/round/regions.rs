@@ -17,14 +17,15 @@ struct Shell {
     sides: Vec<(FacetId, bool)>,
     /// Enclosed volume; negative if the volume lies outside of the shell.
     volume: f64,
+    area: f64,
     bounds: Aabb,
     /// Shell of the same volume that encloses it, or itself; `None` is the unbounded outside.
     home: Option<usize>,
 }
 
 /// Numbers the regions: 0 outside, then by part and first facet, then voids; the sides of all facets, until now volumes, become
-/// regions.
-pub fn number(complex: &mut Complex, part_of_volume: &[Option<PartId>]) -> Result<(), Diagnostic> {
+/// regions. Vertices may have been moved by `reach`.
+pub fn number(complex: &mut Complex, part_of_volume: &[Option<PartId>], reach: f64) -> Result<(), Diagnostic> {
     let mut shells: Vec<Shell> = Vec::new();
     let mut shell_of_volume = vec![usize::MAX; part_of_volume.len()];
     for (id, facet) in complex.facets.enumerate() {
@@ -33,7 +34,7 @@ pub fn number(complex: &mut Complex, part_of_volume: &[Option<PartId>]) -> Resul
             if *slot == usize::MAX {
                 *slot = shells.len();
                 let part = part_of_volume[volume.index()];
-                shells.push(Shell { part, sides: Vec::new(), volume: 0.0, bounds: Aabb::EMPTY, home: None });
+                shells.push(Shell { part, sides: Vec::new(), volume: 0.0, area: 0.0, bounds: Aabb::EMPTY, home: None });
             }
             shells[*slot].sides.push((id, k == 0));
         }
@@ -42,7 +43,7 @@ pub fn number(complex: &mut Complex, part_of_volume: &[Option<PartId>]) -> Resul
         measure(shell, complex);
     }
     for s in 0..shells.len() {
-        shells[s].home = if shells[s].volume > 0.0 { Some(s) } else { enclosing(complex, &shells, s)? };
+        shells[s].home = if shells[s].volume > 0.0 { Some(s) } else { enclosing(complex, &shells, s, reach)? };
     }
     let mut homes: Vec<usize> = (0..shells.len()).filter(|&s| shells[s].home == Some(s)).collect();
     homes.sort_by_key(|&s| (shells[s].part.map_or(u32::MAX, |p| p.0), shells[s].sides.first().map(|x| x.0)));
@@ -73,15 +74,18 @@ fn measure(shell: &mut Shell, complex: &Complex) {
     let origin = shell.sides.first().and_then(|s| corners(complex, s.0).next()).map_or(Vec3::zeros(), |t| t[0]);
     for &(facet, is_front) in &shell.sides {
         for [a, b, c] in corners(complex, facet) {
-            let six = (a - origin).dot(&(b - origin).cross(&(c - origin)));
+            let twice = (b - a).cross(&(c - a));
+            let six = (a - origin).dot(&twice);
+            shell.area += 0.5 * twice.norm();
             shell.volume += if is_front { -six } else { six } / 6.0;
             shell.bounds = shell.bounds.union(&Aabb::around([&a, &b, &c]));
         }
     }
 }
 
-/// The smallest shell of the same part that encloses shell `s`; `None` if it lies in the outside.
-fn enclosing(complex: &Complex, shells: &[Shell], s: usize) -> Result<Option<usize>, Diagnostic> {
+/// The smallest shell of the same part that encloses shell `s`; itself if rounding has hardly left anything of its volume; `None`
+/// if it lies in the outside.
+fn enclosing(complex: &Complex, shells: &[Shell], s: usize, reach: f64) -> Result<Option<usize>, Diagnostic> {
     let mine = &shells[s];
     let mut candidates: Vec<usize> = (0..shells.len())
         .filter(|&c| shells[c].volume > 0.0 && mine.bounds.union(&shells[c].bounds) == shells[c].bounds)
@@ -94,6 +98,9 @@ fn enclosing(complex: &Complex, shells: &[Shell], s: usize) -> Result<Option<usi
     }
     if mine.part.is_none() {
         return Ok(None);
+    }
+    if mine.volume.abs() <= reach * mine.area {
+        return Ok(Some(s));
     }
     let at = mine.sides.first().and_then(|f| corners(complex, f.0).next()).map_or(Vec3::zeros(), |t| t[0]);
     Err(Diagnostic::internal("homeless-shell", "a part's volume has no outer boundary").near(at))

@@ -5,8 +5,11 @@
 //! It is done in all facets of the edge, so that they still close.
 
 use super::collapse::{self, Loops};
+use super::facets::{self, Piece};
+use crate::brep::complex::{Complex, ComplexFacet};
 use crate::geom::Vec3;
 use crate::geom::hash::IndexMap;
+use crate::ids::{FacetId, Id, VertexId};
 
 /// Vertices to be put into an edge (smaller number first) with their places along it.
 type Cuts = IndexMap<[u32; 2], Vec<(f64, u32)>>;
@@ -73,6 +76,36 @@ fn with_cuts(walk: &[u32], cuts: &Cuts) -> Vec<u32> {
         }
     }
     out
+}
+
+/// Lists edges of other facets in the facets that they lie in; those fall apart where such edges go from rim to rim.
+pub fn list(complex: &mut Complex, mut unlisted: Vec<(FacetId, [VertexId; 2])>) {
+    unlisted.sort_unstable();
+    unlisted.dedup();
+    let points: Vec<Vec3> = complex.vertices.iter().map(|v| v.point).collect();
+    let mut out = Vec::with_capacity(complex.facets.len() + unlisted.len());
+    let mut rest = &unlisted[..];
+    for (id, facet) in complex.facets.enumerate() {
+        let (own, others) = rest.split_at(rest.iter().take_while(|u| u.0 == id).count());
+        rest = others;
+        if own.is_empty() {
+            out.push(facet.clone());
+            continue;
+        }
+        let is_end = |v: VertexId| own.iter().any(|u| u.1.contains(&v));
+        let kept = facet.loops.iter().filter(|w| w.len() != 1 || !is_end(w[0]));
+        let mut loops: Vec<Vec<u32>> = kept.map(|w| w.iter().map(|v| v.0).collect()).collect();
+        loops.extend(own.iter().map(|u| u.1.map(|v| v.0).to_vec()));
+        let triangles: Vec<[u32; 3]> = facet.triangles.iter().map(|t| t.map(|v| v.0)).collect();
+        let part = |piece: Piece| ComplexFacet {
+            loops: piece.loops.into_iter().map(|w| w.into_iter().map(VertexId).collect()).collect(),
+            triangles: piece.triangles.into_iter().map(|t| t.map(VertexId)).collect(),
+            is_modified: true,
+            ..facet.clone()
+        };
+        out.extend(facets::parts(id.index(), &loops, &triangles, &points).into_iter().map(part));
+    }
+    complex.facets = out.into();
 }
 
 #[cfg(test)]

@@ -9,19 +9,11 @@ use crate::geom::Vec3;
 use crate::geom::embedding;
 use crate::geom::lists::Lists;
 use crate::geom::radial::Axis;
+use crate::geom::union_find::UnionFind;
 use crate::ids::{FacetId, Id, PartId, VertexId};
 
 /// Faults listed before giving up counting.
 const LIMIT: usize = 64;
-
-const TURNED_OVER: &str = "TurnedOver";
-
-impl Fault {
-    /// Whether facets only face the wrong part there.
-    pub fn is_turned_over(&self) -> bool {
-        self.what == TURNED_OVER
-    }
-}
 
 /// A place where a complex is broken.
 #[derive(Clone, PartialEq, Debug)]
@@ -34,10 +26,25 @@ pub struct Fault {
     pub point: Vec3,
 }
 
-/// Where facets are no complex, up to a limit; `parts` are those of the volumes that are their sides. O(n log n).
-pub fn check(complex: &Complex, parts: &[Option<PartId>]) -> Vec<Fault> {
+/// What facets enclose: sides that face each other across an edge have one volume.
+#[derive(Debug)]
+pub struct Volumes {
+    /// Volumes in front of and behind every facet.
+    pub sides: Vec<[u32; 2]>,
+    /// Number of volumes.
+    pub count: usize,
+    /// Edges of other facets that lie in a facet, from rim to rim, without being listed by it: rounding moved them there. The
+    /// facet may have several volumes on one side.
+    pub unlisted: Vec<(FacetId, [VertexId; 2])>,
+}
+
+/// What the facets enclose; `parts` are those of their sides. O(n log n).
+///
+/// # Errors
+/// Some of the faults, if it is no complex.
+pub fn check(complex: &Complex, parts: &[Option<PartId>]) -> Result<Volumes, Vec<Fault>> {
     let met = contacts(complex);
-    if met.is_empty() { mismatches(complex, parts) } else { met }
+    if met.is_empty() { enclosed(complex, parts) } else { Err(met) }
 }
 
 /// Facets that meet where they must not.
@@ -82,8 +89,8 @@ impl Use {
     }
 }
 
-/// Where sides of facets that face each other across an edge are not of one part.
-fn mismatches(complex: &Complex, parts: &[Option<PartId>]) -> Vec<Fault> {
+/// Joins the sides of facets around every edge; an error where they are not of one part.
+fn enclosed(complex: &Complex, parts: &[Option<PartId>]) -> Result<Volumes, Vec<Fault>> {
     let count = complex.facets.iter().map(|f| 3 * f.triangles.len()).sum();
     let (mut uses, mut by_lower) = (Vec::with_capacity(count), Vec::with_capacity(count));
     for (facet, data) in complex.facets.enumerate() {
@@ -95,7 +102,8 @@ fn mismatches(complex: &Complex, parts: &[Option<PartId>]) -> Vec<Fault> {
         }
     }
     let at = Lists::new(complex.vertices.len(), &by_lower);
-    let (mut faults, mut around) = (Vec::new(), Vec::new());
+    let (mut faults, mut unlisted, mut around) = (Vec::new(), Vec::new(), Vec::new());
+    let mut sides = UnionFind::new(2 * complex.facets.len());
     for lower in complex.vertices.ids() {
         around.clear();
         around.extend(at.of(lower.0).iter().map(|&k| uses[k as usize]));
@@ -104,14 +112,34 @@ fn mismatches(complex: &Complex, parts: &[Option<PartId>]) -> Vec<Fault> {
             // The order of two is known.
             if same.len() > 2 {
                 sort_around(complex, [lower, same[0].upper], same);
+                unlisted.extend(diagonals(complex, [lower, same[0].upper], same));
             }
             faults.extend(first_mismatch(complex, parts, lower, same));
+            for (k, one) in same.iter().enumerate() {
+                sides.join(one.sides()[1], same[(k + 1) % same.len()].sides()[0]);
+            }
         }
         if faults.len() >= LIMIT {
             break;
         }
     }
-    faults
+    if !faults.is_empty() {
+        return Err(faults);
+    }
+    let (of_side, count) = sides.number();
+    Ok(Volumes { sides: of_side.chunks_exact(2).map(|s| [s[0], s[1]]).collect(), count, unlisted })
+}
+
+/// Facets that have the edge inside and do not list it.
+fn diagonals<'a>(
+    complex: &'a Complex,
+    edge: [VertexId; 2],
+    uses: &'a [Use],
+) -> impl Iterator<Item = (FacetId, [VertexId; 2])> + 'a {
+    let lists = move |walk: &Vec<VertexId>| walk.len() == 2 && edge.iter().all(|v| walk.contains(v));
+    let is_again = |k: usize| uses[..k].iter().any(|u| u.facet == uses[k].facet);
+    let inner = (1..uses.len()).filter(move |&k| is_again(k)).map(|k| uses[k].facet);
+    inner.filter(move |&f| !complex.facets[f].loops.iter().any(lists)).map(move |f| (f, edge))
 }
 
 /// Sorts counter-clockwise about an edge, exactly.
@@ -126,5 +154,5 @@ fn first_mismatch(complex: &Complex, parts: &[Option<PartId>], lower: VertexId, 
     let k = (0..n).find(|&k| of(k)[1] != of((k + 1) % n)[0])?;
     let [a, b] = [lower, uses[k].upper].map(|v| complex.vertices[v].point);
     let facets = [uses[k].facet, uses[(k + 1) % n].facet];
-    Some(Fault { facets, what: TURNED_OVER.to_owned(), point: (a + b) * 0.5 })
+    Some(Fault { facets, what: "TurnedOver".to_owned(), point: (a + b) * 0.5 })
 }

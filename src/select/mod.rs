@@ -76,19 +76,27 @@ pub fn select(scene: &Scene, solids: &[Solid], arrangement: &Arrangement, classi
 }
 
 /// Shells between which no retained facet stands are one volume: the volume of each, and their number.
+///
+/// What is known to lie inside a volume was not cut by what it crosses, so it may seem to lie on both sides of a facet of the
+/// result: it never tells which sides face each other, retained pieces alone do.
 fn volumes(arrangement: &Arrangement, classified: &Classified, kept: &[bool]) -> (Vec<u32>, usize) {
     let fate = |cell: usize| arrangement.cells.fate_of(cell);
     let mut sets = UnionFind::new(classified.label_of_shell.len());
     for (cell, &[front, back]) in classified.shells.iter().enumerate() {
-        if !kept[cell] && fate(cell) != Fate::Copy {
+        if !kept[cell] && fate(cell) == Fate::Live {
             sets.join(front, back);
         }
     }
-    // Sides whose fate is known are shells of their own.
-    let is_known = |side: u32| fate(side as usize / 2) != Fate::Live;
+    let edges = &classified.edges;
     let shell = |side: u32| classified.shells[side as usize / 2][side as usize % 2];
-    for [a, b] in classified.edges.facing().filter(|p| p.iter().any(|&side| is_known(side))) {
-        sets.join(shell(a), shell(b));
+    let cell_of = |corner: u32| edges.cell_of[corner as usize] as usize;
+    let mut alive = Vec::new();
+    for group in edges.groups().filter(|g| g.iter().any(|&c| fate(cell_of(c)) != Fate::Live)) {
+        alive.clear();
+        alive.extend(group.iter().copied().filter(|&c| kept[cell_of(c)]));
+        for [a, b] in edges.facing_in(&alive) {
+            sets.join(shell(a), shell(b));
+        }
     }
     sets.number()
 }
