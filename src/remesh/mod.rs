@@ -17,7 +17,8 @@
 //! 7. Thin out: collapse what shape and deviation do not need; split what still deviates too far; polish.
 //! 8. Neighbouring facets almost in one plane are brought into it, or turned clear of it, and become polygons (`bends`).
 //! 9. Planar facets get new triangulations, and an exact test proves that nothing meets anything (`verify`). Surfaces at fault
-//!    are remeshed again with half the deviation, at last left alone; if nothing helps, the complex stays as evaluated.
+//!    are remeshed again with half the deviation, then without their facets there, as where needles are left; if nothing helps, the
+//!    complex stays as evaluated.
 //!    Polygons of which TetGen would die are cut (`straight`).
 //!
 //! Every operation (`operators`) is a short sequence of Euler operators of the kernel (`brep::local`), planned and judged before
@@ -65,12 +66,13 @@ use bands::Choice;
 use sizing::{Bound, Limits};
 use std::collections::HashMap;
 use std::sync::Arc;
+use verify::Fault;
 use workpiece::Workpiece;
 
-/// Attempts at most; each one remeshes surfaces at fault closer to their true shape, or leaves them alone.
-const ATTEMPTS: usize = 6;
-/// Share of the deviation bound at which a surface at fault is left alone.
-const LEAST_SHARE: f64 = 0.3;
+/// Attempts at most; each one gives up something where facets met in the one before.
+const ATTEMPTS: usize = 8;
+/// Share of the deviation bound of surfaces on which facets met.
+const CLOSER_SHARE: f64 = 0.5;
 
 /// Remeshes a complex.
 ///
@@ -95,23 +97,55 @@ pub fn remesh(complex: Complex, options: &RemeshOptions, parts: &IdVec<PartId, P
     if !choice.is_chosen.contains(&true) {
         return Ok(evaluated);
     }
-    let mut shares = vec![1.0; complex.surfaces.len()];
-    for _ in 0..ATTEMPTS {
-        let mut work = Workpiece::new(complex.clone(), supports.clone(), shares.clone(), choice.clone())?;
+    let mut retreat = Retreat { shares: vec![1.0; complex.surfaces.len()], choice };
+    for left in (0..ATTEMPTS).rev() {
+        let mut work = Workpiece::new(complex.clone(), supports.clone(), retreat.shares.clone(), retreat.choice.clone())?;
         work.remesh(options, parts);
-        let faulty = work.faulty_surfaces();
-        if faulty.is_empty() {
+        let faults = work.faults();
+        let is_last = !retreat.give_up(&faults, &complex) || left == 0;
+        if is_last && faults.iter().all(|f| !f.is_contact) {
             let mut done = work.brep.to_complex();
             straight::cut_unsound(&mut done);
             creases::restore(&mut done, &original, count);
             return Ok(done);
         }
-        for s in faulty {
-            let share = &mut shares[s.index()];
-            *share = if *share > LEAST_SHARE { *share * 0.5 } else { 0.0 };
+        if is_last {
+            break;
         }
     }
     Ok(evaluated)
+}
+
+/// What is given up where remeshing made facets meet.
+struct Retreat {
+    /// By surface: share of the deviation bound that it may use.
+    shares: Vec<f64>,
+    choice: Choice,
+}
+
+impl Retreat {
+    /// A surface whose facets meet others for the first time is to keep closer to its true shape; after that, and where there are
+    /// needles, its facets stay as they are. Whether anything was given up.
+    fn give_up(&mut self, faults: &[Fault], complex: &Complex) -> bool {
+        let is_new = |f: &&Fault| f.is_contact && self.shares[f.surface.index()] == 1.0;
+        let (new, again): (Vec<&Fault>, Vec<&Fault>) = faults.iter().partition(is_new);
+        for fault in &new {
+            self.shares[fault.surface.index()] = CLOSER_SHARE;
+        }
+        let mut is_less = !new.is_empty();
+        if again.is_empty() {
+            return is_less;
+        }
+        for (facet, is_chosen) in complex.facets.iter().zip(&mut self.choice.is_chosen).filter(|f| *f.1) {
+            let place = Aabb::around(facet.loops.iter().flatten().map(|&v| &complex.vertices[v].point));
+            let is_at = |f: &&Fault| f.surface == facet.surface && f.place.inflated(f.place.diagonal()).overlaps(&place);
+            if again.iter().any(is_at) {
+                *is_chosen = false;
+                is_less = true;
+            }
+        }
+        is_less
+    }
 }
 
 impl Workpiece {
@@ -158,7 +192,7 @@ impl Workpiece {
     /// The facets to be remeshed.
     fn chosen(&self) -> Vec<FacetId> {
         let facets = self.brep.topology.facets();
-        facets.filter(|&f| self.choice.is_chosen[f.index()] && self.share(f) > 0.0).collect()
+        facets.filter(|&f| self.choice.is_chosen[f.index()]).collect()
     }
 
     /// The default bound (equation 4.1).

@@ -26,6 +26,12 @@ pub fn sharpest_cosine([a, b, c]: [&Vec3; 3], obtuse: f64) -> f64 {
     least.max(OBTUSE_BASE - obtuse * greatest)
 }
 
+/// Whether the smallest angle of a triangle has a smaller sine, for sines near zero.
+pub fn is_needle([a, b, c]: &[Vec3; 3], sine: f64) -> bool {
+    let longest = [b - a, c - b, a - c].iter().map(Vec3::norm_squared).fold(0.0, f64::max);
+    (b - a).cross(&(c - a)).norm() <= sine * longest
+}
+
 /// Cosine of an angle given in degrees.
 pub fn cosine_of_degrees(degrees: f64) -> f64 {
     libm::cos(degrees.to_radians())

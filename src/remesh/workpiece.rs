@@ -1,7 +1,7 @@
 //! The kernel model under work, with what the operators need to know about it: supports, places, sizes.
 
 use super::bands::Choice;
-use super::quality::sharpest_cosine;
+use super::quality::{is_needle, sharpest_cosine};
 use super::sizing::Bound;
 use crate::brep::model::Brep;
 use crate::brep::store::EdgeId;
@@ -167,9 +167,7 @@ impl Workpiece {
         let normal = (b - a).cross(&(c - a)) * self.sense[facet.index()];
         let center = (a + b + c) / 3.0;
         let foot = support.closest(&center);
-        let longest = [b - a, c - b, a - c].iter().map(Vec3::norm_squared).fold(0.0, f64::max);
-        let is_needle = normal.norm() <= NEEDLE_SINE * longest;
-        let is_flipped = is_needle || normal.dot(&foot.normal) <= FLIPPED_COSINE * normal.norm();
+        let is_flipped = is_needle(&[a, b, c], NEEDLE_SINE) || normal.dot(&foot.normal) <= FLIPPED_COSINE * normal.norm();
         let allowed = self.bound.at(&foot) * self.share(facet);
         let deviation = points.iter().map(|p| support.distance(p)).fold((foot.point - center).norm(), f64::max);
         Measure { cosine, excess: deviation / allowed, is_flipped }
