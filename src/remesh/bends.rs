@@ -7,6 +7,7 @@
 
 use super::operators::Effect;
 use super::quality::cosine_of_degrees;
+use super::ring::Ring;
 use super::straight::is_straight;
 use super::workpiece::{Measure, Place, Workpiece};
 use crate::brep::store::{EdgeId, FinId};
@@ -150,13 +151,18 @@ impl Workpiece {
         vertices.dedup();
         let mut best: Option<(Rank, VertexId, Vec3)> = None;
         for vertex in vertices {
-            let star = self.star(vertex);
-            let before = self.worst_at(vertex, &star);
-            let weak = self.weak_around(&star, aim);
             let feet = self.feet(vertex, edge).into_iter().map(|to| (false, to));
             let slides = if aim.is_forced { self.slides(vertex) } else { Vec::new() };
-            for (is_slide, to) in feet.chain(slides.into_iter().map(|to| (true, to))) {
-                let Some(after) = self.bent(vertex, &star, before, &to, aim) else { continue };
+            let ring = self.ring(vertex);
+            let places = feet.chain(slides.into_iter().map(|to| (true, to)));
+            let allowed: Vec<_> =
+                places.filter_map(|(is_slide, to)| Some((is_slide, to, self.bent(vertex, &ring, &to, aim)?))).collect();
+            let star = ring.facets();
+            if allowed.is_empty() {
+                continue;
+            }
+            let weak = self.weak_around(&star, aim);
+            for (is_slide, to, after) in allowed {
                 let from = std::mem::replace(&mut self.brep.vertices[vertex].point, to);
                 let mended = weak.saturating_sub(self.weak_around(&star, aim));
                 self.brep.vertices[vertex].point = from;
@@ -172,11 +178,12 @@ impl Workpiece {
     }
 
     /// What the triangles around a vertex become if it moves there; `None` if that is not allowed.
-    fn bent(&self, vertex: VertexId, star: &[FacetId], before: Measure, to: &Vec3, aim: Aim) -> Option<Measure> {
+    fn bent(&self, vertex: VertexId, ring: &Ring, to: &Vec3, aim: Aim) -> Option<Measure> {
+        let before = ring.before;
         let floor = if aim.is_forced { 1.0 } else { before.cosine.max(cosine_of_degrees(FLAT_KEEPS)) };
-        let Effect { after, .. } = self.plan_move(vertex, star, before, to, floor)?;
         let allowed = before.excess.max(1.0) * self.bound.slack();
-        let is_near = after.excess <= allowed && star.iter().all(|&f| self.sampled_excess(f, vertex, to) <= allowed);
+        let Effect { after, .. } = ring.plan(to, floor, allowed)?;
+        let is_near = ring.facets().into_iter().all(|f| self.sampled_excess(f, vertex, to) <= allowed);
         (is_near && !after.is_flipped).then_some(after)
     }
 

@@ -46,6 +46,7 @@ mod pieces;
 mod polygons;
 mod quality;
 mod relocate;
+mod ring;
 mod schedule;
 mod sizing;
 mod straight;
@@ -135,6 +136,7 @@ impl Workpiece {
             shares,
             choice,
             obtuse: 0.0,
+            measures: Vec::new(),
             changed: Vec::new(),
             is_still: Vec::new(),
         })

@@ -17,7 +17,7 @@ use crate::primitive::solid::Freedom;
 
 /// Least gain, in the cosine of the smallest angle (a quarter of a degree), for which an angle is raised: without it, a patch would
 /// creep towards its best shape in endless tiny steps.
-const LEAST_GAIN: f64 = 3e-3;
+pub(super) const LEAST_GAIN: f64 = 3e-3;
 
 /// What an operation would do to quality.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -117,7 +117,7 @@ impl Workpiece {
         let before = self.measure_facet(facet);
         [a, b].iter().all(|gone| {
             let piece = corners.map(|v| if v == *gone { *at } else { self.point(v) });
-            let after = self.measure(facet, piece);
+            let after = self.measure(facet, &piece);
             !after.is_flipped || before.is_flipped
         })
     }
@@ -136,21 +136,27 @@ impl Workpiece {
             Place::Curve(_) if !self.is_active(edge) => return None,
             _ => {}
         }
-        let plan = self.brep.plan_collapse(edge, gone).ok()?;
         let at = self.point(kept);
-        // Shapes first: they cost a tenth of a look at the supports.
-        for &facet in plan.changed.iter().filter(|&&f| self.is_treated(f)) {
-            let [a, b, c] = self.corners(facet)?.map(|v| if v == gone { at } else { self.point(v) });
-            if sharpest_cosine([&a, &b, &c], self.obtuse) > limit {
-                return None;
+        let moved = |t: [VertexId; 3]| {
+            let point = |v| if v == gone { at } else { self.point(v) };
+            [point(t[0]), point(t[1]), point(t[2])]
+        };
+        // Shapes first: they cost a tenth of what topology and supports do.
+        for facet in self.brep.topology.facets_at(gone).filter(|&f| self.is_treated(f)) {
+            let corners = self.corners(facet)?;
+            if !corners.contains(&kept) {
+                let [a, b, c] = moved(corners);
+                if sharpest_cosine([&a, &b, &c], self.obtuse) > limit {
+                    return None;
+                }
             }
         }
+        let plan = self.brep.plan_collapse(edge, gone).ok()?;
         let mut effect = Effect { before: self.worst(&self.star(gone)), after: Measure::BEST };
         for &facet in &plan.changed {
             if self.is_treated(facet) {
-                let corners = self.corners(facet)?;
-                let moved = corners.map(|v| if v == gone { at } else { self.point(v) });
-                effect.after = effect.after.worse_of(self.measure(facet, moved));
+                let corners = moved(self.corners(facet)?);
+                effect.after = effect.after.worse_of(self.measure(facet, &corners));
             } else if !self.polygon_stays_simple(facet, Change::Merge { gone, kept }) {
                 return None;
             }
@@ -191,16 +197,28 @@ impl Workpiece {
 
 /// Swap.
 impl Workpiece {
-    /// What replacing an edge by the other diagonal would do.
+    /// What replacing an edge by the other diagonal would do; `None` if topology forbids it or it helps neither shape nor deviation.
     pub fn plan_swap(&self, edge: EdgeId) -> Option<(Swap, Effect)> {
-        let plan = self.brep.plan_swap(edge).ok()?;
-        let [f, g] = plan.facets;
-        if !self.is_treated(f) || !self.is_treated(g) || self.brep.is_feature(edge) {
+        let topology = &self.brep.topology;
+        let mut ring = topology.fins_around(edge);
+        let (Some(at_f), Some(at_g), None) = (ring.next(), ring.next(), ring.next()) else { return None };
+        let [f, g] = [at_f, at_g].map(|fin| topology.facet_of(fin));
+        if !self.is_treated(f) || !self.is_treated(g) {
             return None;
         }
-        let ([a, b], [c, d]) = (plan.ends.map(|v| self.point(v)), plan.opposite.map(|v| self.point(v)));
         let before = self.measure_facet(f).worse_of(self.measure_facet(g));
-        let after = self.measure(f, [c, d, b]).worse_of(self.measure(f, [d, c, a]));
+        let [a, b] = topology.fin_ends(at_f).map(|v| self.point(v));
+        let [c, d] = [at_f, at_g].map(|fin| self.point(topology.fin_ends(topology.prev_fin(fin))[0]));
+        // Shapes first: they cost a tenth of what topology and supports do.
+        if !before.is_flipped && before.excess <= 1.0 {
+            let limit = before.cosine - LEAST_GAIN;
+            let is_poor = |[p, q, r]: [&Vec3; 3]| sharpest_cosine([p, q, r], self.obtuse) >= limit;
+            if is_poor([&c, &d, &b]) || is_poor([&d, &c, &a]) {
+                return None;
+            }
+        }
+        let plan = self.brep.plan_swap(edge).ok()?;
+        let after = self.measure(f, &[c, d, b]).worse_of(self.measure(f, &[d, c, a]));
         Some((plan, Effect { before, after }))
     }
 
@@ -219,34 +237,6 @@ impl Workpiece {
 
 /// Relocate.
 impl Workpiece {
-    /// What moving a vertex would do; `None` if polygons forbid it or an angle gets so small that its cosine passes `limit`.
-    pub fn plan_move(&self, vertex: VertexId, star: &[FacetId], before: Measure, to: &Vec3, limit: f64) -> Option<Effect> {
-        let moved = |facet| self.corners(facet).map(|t| t.map(|v| if v == vertex { *to } else { self.point(v) }));
-        // Shapes first: they cost a tenth of a look at the supports.
-        for &facet in star {
-            let [a, b, c] = moved(facet)?;
-            if sharpest_cosine([&a, &b, &c], self.obtuse) > limit {
-                return None;
-            }
-        }
-        let mut after = Measure::BEST;
-        for &facet in star {
-            after = after.worse_of(self.measure_moved(facet, vertex, to)?);
-            if after.is_flipped && !before.is_flipped {
-                return None;
-            }
-        }
-        if let Place::Curve(c) = self.place(vertex) {
-            for edge in self.brep.topology.edges_at(vertex).filter(|&e| self.brep.is_feature(e)) {
-                let other = self.point(self.brep.topology.other_end(edge, vertex));
-                after.excess = after.excess.max(self.curve_excess(c, &other, to));
-            }
-        }
-        let polygons = self.polygons_at(vertex);
-        let is_clear = polygons.iter().all(|&f| self.polygon_stays_simple(f, Change::Move { vertex, to: *to }));
-        is_clear.then_some(Effect { before, after })
-    }
-
     /// The worst triangle of a vertex's star, its feature edges included.
     pub fn worst_at(&self, vertex: VertexId, star: &[FacetId]) -> Measure {
         let mut worst = self.worst(star);

@@ -11,10 +11,10 @@ const OBTUSE_BASE: f64 = 0.74;
 /// `OBTUSE_BASE - obtuse * cosine of the largest angle` is given.
 /// Angles are compared by their cosines, so that no comparison needs trigonometry.
 pub fn sharpest_cosine([a, b, c]: [&Vec3; 3], obtuse: f64) -> f64 {
-    let mut squares = [(b - a).norm_squared(), (c - b).norm_squared(), (a - c).norm_squared()];
-    squares.sort_unstable_by(f64::total_cmp);
+    let (p, q, r) = ((b - a).norm_squared(), (c - b).norm_squared(), (a - c).norm_squared());
     // The smallest angle is opposite to the shortest edge, the largest to the longest.
-    let [short, middle, long] = squares;
+    let (low, high) = (p.min(q), p.max(q));
+    let (short, middle, long) = (low.min(r), low.max(high.min(r)), high.max(r));
     if short == 0.0 {
         return 1.0;
     }

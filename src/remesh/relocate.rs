@@ -1,10 +1,10 @@
 //! Where vertices go.
 
 use super::operators::Effect;
-use super::quality::{cosine_of_degrees, sharpest_cosine};
+use super::quality::cosine_of_degrees;
 use super::workpiece::{Place, Workpiece};
 use crate::geom::Vec3;
-use crate::ids::{FacetId, Id, VertexId};
+use crate::ids::{Id, VertexId};
 use crate::patch::curve::project_on_all;
 use crate::patch::support::{Support, any_normal_to};
 
@@ -44,23 +44,20 @@ impl Workpiece {
             Aim::Middle => self.middle(vertex),
         };
         let Some(target) = target.filter(|t| (t - from).norm_squared() > 0.0) else { return false };
-        let star = self.star(vertex);
-        let before = self.worst_at(vertex, &star);
-        let floor = cosine_of_degrees(if aim == Aim::Home { SQUEEZED } else { FINE });
-        for share in SHARES {
-            let step = from + (target - from) * share;
-            let to = if aim == Aim::Home { step } else { self.home(vertex, &step) };
-            let Some(effect) = self.plan_move(vertex, &star, before, &to, before.cosine.max(floor)) else { continue };
-            let is_good = match aim {
-                Aim::Home => !effect.after.is_flipped || before.is_flipped,
-                Aim::Middle => effect.is_legal(),
-            };
-            if is_good {
-                self.relocate(vertex, to);
-                return true;
-            }
-        }
-        false
+        let ring = self.ring(vertex);
+        let before = ring.before;
+        let (floor, excess) = match aim {
+            Aim::Home => (SQUEEZED, f64::INFINITY),
+            Aim::Middle => (FINE, before.excess.max(1.0)),
+        };
+        let limit = before.cosine.max(cosine_of_degrees(floor));
+        let places = SHARES.iter().map(|share| from + (target - from) * *share);
+        let mut places = places.map(|step| if aim == Aim::Home { step } else { self.home(vertex, &step) });
+        let is_good = |to: &Vec3| ring.plan(to, limit, excess).is_some_and(|e| aim == Aim::Home || e.is_legal());
+        let Some(to) = places.find(is_good) else { return false };
+        drop(ring);
+        self.relocate(vertex, to);
+        true
     }
 
     /// Where a vertex ought to be; `None` if it may not move. Corners made by an intersection of facets, off the
@@ -135,8 +132,9 @@ impl Workpiece {
     pub fn best_place(&self, vertex: VertexId) -> Option<(Vec3, Effect)> {
         let here = self.point(vertex);
         let directions = self.directions(vertex, &here)?;
-        let star = self.star(vertex);
-        let before = self.worst_at(vertex, &star);
+        let ring = self.ring(vertex);
+        let before = ring.before;
+        let excess = before.excess.max(1.0);
         let shortest = self.brep.topology.neighbours(vertex).map(|n| (self.point(n) - here).norm());
         let mut step = 0.4 * shortest.fold(f64::INFINITY, f64::min);
         let mut best = (here, Effect { before, after: before });
@@ -145,11 +143,11 @@ impl Workpiece {
             for d in &directions {
                 let least = found.map_or(best.1.after.cosine, |f: (Vec3, Effect)| f.1.after.cosine);
                 let near = best.0 + d * step;
-                if self.is_sharper_around(vertex, &star, &near, least + NEAR_HOME) {
+                if ring.sharpest(&near, least + NEAR_HOME).is_none() {
                     continue;
                 }
                 let to = self.home(vertex, &near);
-                if let Some(effect) = self.plan_move(vertex, &star, before, &to, least)
+                if let Some(effect) = ring.plan(&to, least, excess)
                     && effect.is_legal()
                     && effect.after.cosine < least
                 {
@@ -162,13 +160,6 @@ impl Workpiece {
             }
         }
         best.1.is_better().then_some(best)
-    }
-
-    /// Whether a triangle around a vertex would have an angle with a cosine past `limit` if the vertex were elsewhere.
-    fn is_sharper_around(&self, vertex: VertexId, star: &[FacetId], to: &Vec3, limit: f64) -> bool {
-        let moved = |t: [VertexId; 3]| t.map(|v| if v == vertex { *to } else { self.point(v) });
-        let mut triangles = star.iter().filter_map(|&f| self.corners(f)).map(moved);
-        triangles.any(|[a, b, c]| sharpest_cosine([&a, &b, &c], self.obtuse) > limit)
     }
 
     /// Directions in which a vertex may move.

@@ -1,6 +1,6 @@
 //! The order of the work: a queue picks the next edge (thesis 6.2) instead of the sweeps of Table 4.1.
 
-use super::operators::Effect;
+use super::operators::{Effect, LEAST_GAIN};
 use super::quality::cosine_of_degrees;
 use super::relocate::Aim;
 use super::sizing::Limits;
@@ -83,7 +83,7 @@ impl Workpiece {
                 self.smooth();
             }
         }
-        self.obtuse = OBTUSE;
+        self.weigh_obtuse(OBTUSE);
         self.polish();
         for _ in 0..THIN_ROUNDS {
             self.thin_out();
@@ -93,9 +93,15 @@ impl Workpiece {
             }
             self.polish();
         }
-        self.obtuse = 0.0;
+        self.weigh_obtuse(0.0);
         self.changed.clear();
         self.polish();
+    }
+
+    /// Obtuse triangles count as sharp ones from here on; all measures change.
+    fn weigh_obtuse(&mut self, weight: f64) {
+        self.obtuse = weight;
+        self.measures.iter().for_each(|m| m.set(None));
     }
 
     pub fn active_edges(&self) -> Vec<EdgeId> {
@@ -334,7 +340,7 @@ impl Workpiece {
                 consider(&effect, Mend::Swap(plan));
             }
             for gone in self.brep.topology.ends(edge) {
-                if let Some((plan, effect)) = self.plan_collapse(edge, gone, self.sharpest_at(gone))
+                if let Some((plan, effect)) = self.plan_collapse(edge, gone, self.sharpest_at(gone) - LEAST_GAIN)
                     && !self.would_stretch(plan.gone, plan.kept, LONG)
                 {
                     consider(&effect, Mend::Collapse(plan));
