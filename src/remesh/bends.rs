@@ -195,8 +195,8 @@ impl Workpiece {
             (0..=SAMPLES).flat_map(|i| (0..=SAMPLES - i).map(move |j| [i, j].map(|k| f64::from(k) / f64::from(SAMPLES))));
         let points = grid.map(|[s, t]| a * s + b * t + c * (1.0 - s - t));
         let excess = points.map(|p| {
-            let foot = support.closest(&p);
-            (foot.point - p).norm() / (self.bound.at(&foot) * self.share(facet))
+            let foot = support.nearest(&p);
+            (foot.point - p).norm() / (self.bound.along(foot.curvature) * self.share(facet))
         });
         excess.fold(0.0, f64::max)
     }

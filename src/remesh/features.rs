@@ -153,7 +153,7 @@ impl Workpiece {
         for facet in self.brep.topology.facets_around(edge) {
             let Some(support) = self.support_or_plane(facet) else { continue };
             let crosses = |other: &Arc<Support>| {
-                let sine = |p: &Vec3| support.closest(p).normal.cross(&other.closest(p).normal).norm();
+                let sine = |p: &Vec3| support.nearest(p).normal.cross(&other.nearest(p).normal).norm();
                 chain.iter().map(sine).fold(0.0, f64::max) > PARALLEL_SINE
             };
             if kept.iter().all(crosses) {

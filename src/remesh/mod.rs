@@ -189,7 +189,7 @@ impl Workpiece {
         for [a, b, c] in self.brep.triangles(facet).map(|t| t.map(|v| self.point(v))) {
             let normal: Vec3 = (b - a).cross(&(c - a));
             if normal.norm() > largest.0 {
-                let along = normal.dot(&support.closest(&((a + b + c) / 3.0)).normal);
+                let along = normal.dot(&support.nearest(&((a + b + c) / 3.0)).normal);
                 largest = (normal.norm(), if along < 0.0 { -1.0 } else { 1.0 });
             }
         }

@@ -63,8 +63,8 @@ impl Workpiece {
             None => (Place::Surface(surface), Freedom::Surface),
         };
         let home = match curve {
-            Some(c) => self.curves[c].closest(&middle).map(|f| f.point),
-            None => self.supports[surface].as_ref().map(|s| s.closest(&middle).point),
+            Some(c) => self.curves[c].nearest(&middle),
+            None => self.supports[surface].as_ref().map(|s| s.nearest(&middle).point),
         };
         let allowed = |at: &Vec3| {
             treated.iter().all(|&f| self.split_keeps_sense(f, ends, at))

@@ -76,8 +76,8 @@ impl Workpiece {
             if matches!(*support, Support::Fitted(_)) {
                 return None;
             }
-            let foot = support.closest(&point);
-            is_home &= (foot.point - point).norm() <= AT_HOME * self.bound.at(&foot);
+            let foot = support.nearest(&point);
+            is_home &= (foot.point - point).norm() <= AT_HOME * self.bound.along(foot.curvature);
             supports.push((support, foot.normal));
         }
         if is_home {
@@ -171,7 +171,7 @@ impl Workpiece {
                 Some(vec![tangent, -tangent])
             }
             Place::Surface(s) => {
-                let normal = self.supports[s].as_ref()?.closest(here).normal;
+                let normal = self.supports[s].as_ref()?.nearest(here).normal;
                 let u = any_normal_to(&normal);
                 let v = normal.cross(&u);
                 let diagonal = std::f64::consts::FRAC_1_SQRT_2;

@@ -421,8 +421,8 @@ impl Workpiece {
         let middle = (a + b) * 0.5;
         let facet = self.brep.topology.facets_around(edge).find(|&f| self.is_treated(f));
         facet.and_then(|f| self.support(f)).map_or(0.0, |s| {
-            let foot = s.closest(&middle);
-            (foot.point - middle).norm() / (self.bound.at(&foot) * facet.map_or(1.0, |f| self.share(f)))
+            let foot = s.nearest(&middle);
+            (foot.point - middle).norm() / (self.bound.along(foot.curvature) * facet.map_or(1.0, |f| self.share(f)))
         })
     }
 

@@ -78,11 +78,11 @@ impl Area<'_> {
     pub fn deviation(&self, bound: &Bound, [a, b, c]: &[Vec3; 3], points: &[Vec3]) -> (f64, bool) {
         let normal = (b - a).cross(&(c - a)) * self.sense;
         let center = (a + b + c) / 3.0;
-        let foot = self.support.closest(&center);
+        let foot = self.support.nearest(&center);
         let longest = [b - a, c - b, a - c].iter().map(Vec3::norm_squared).fold(0.0, f64::max);
         let is_needle = normal.norm() <= NEEDLE_SINE * longest;
         let is_flipped = is_needle || normal.dot(&foot.normal) <= FLIPPED_COSINE * normal.norm();
-        let allowed = bound.at(&foot) * self.share;
+        let allowed = bound.along(foot.curvature) * self.share;
         let deviation = points.iter().map(|p| self.support.distance(p)).fold((foot.point - center).norm(), f64::max);
         (deviation / allowed, is_flipped)
     }
@@ -217,7 +217,7 @@ impl Workpiece {
     pub fn visible_sense(&self, facet: FacetId) -> Option<f64> {
         let [a, b, c] = self.points(self.corners(facet)?);
         let normal = (b - a).cross(&(c - a));
-        let cosine = normal.dot(&self.support(facet)?.closest(&((a + b + c) / 3.0)).normal);
+        let cosine = normal.dot(&self.support(facet)?.nearest(&((a + b + c) / 3.0)).normal);
         (cosine.abs() > FLIPPED_COSINE * normal.norm()).then_some(cosine.signum())
     }
 
@@ -239,18 +239,15 @@ impl Workpiece {
     /// The distance of the middle of an edge from its curve, as a fraction of what is allowed; 0 inside a surface.
     pub fn curve_excess(&self, curve: CurveId, a: &Vec3, b: &Vec3) -> f64 {
         let middle = (a + b) * 0.5;
-        match self.curves[curve].closest(&middle) {
-            Some(foot) => (foot.point - middle).norm() / self.bound.along(foot.curvature),
-            None => 0.0,
-        }
+        self.curves[curve].gap(&middle).map_or(0.0, |(gap, curvature)| gap / self.bound.along(curvature))
     }
 
     /// Where a vertex belongs: on its curve or surface; where it is if it is a corner.
     pub fn home(&self, vertex: VertexId, point: &Vec3) -> Vec3 {
         match self.place(vertex) {
             Place::Corner => self.point(vertex),
-            Place::Curve(c) => self.curves[c].closest(point).map_or(*point, |f| f.point),
-            Place::Surface(s) => self.supports[s].as_ref().map_or(*point, |s| s.closest(point).point),
+            Place::Curve(c) => self.curves[c].nearest(point).unwrap_or(*point),
+            Place::Surface(s) => self.supports[s].as_ref().map_or(*point, |s| s.nearest(point).point),
         }
     }
 
