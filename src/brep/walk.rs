@@ -95,7 +95,7 @@ impl Topology {
         let walk = self.loops[self.facets[facet].outer];
         let [a, b, c] = [walk.fin, self.fins[walk.fin].next, self.fins[walk.fin].prev];
         let is_triangle = !walk.next.is_some() && self.fins[b].next == c && a != b && b != c;
-        is_triangle.then(|| [a, b, c].map(|fin| self.fins[fin].vertex))
+        is_triangle.then(|| [self.fins[a].vertex, self.fins[b].vertex, self.fins[c].vertex])
     }
     /// Edge of a fin; `None` for a lone vertex.
     pub fn edge_of(&self, fin: FinId) -> Option<EdgeId> {
@@ -127,7 +127,8 @@ impl Topology {
 impl Topology {
     /// The ends of an edge.
     pub fn ends(&self, edge: EdgeId) -> [VertexId; 2] {
-        self.edges[edge].ends.map(|end| end.vertex)
+        let [a, b] = &self.edges[edge].ends;
+        [a.vertex, b.vertex]
     }
     /// The other end of an edge.
     pub fn other_end(&self, edge: EdgeId, vertex: VertexId) -> VertexId {
@@ -231,11 +232,13 @@ impl Topology {
     }
     /// Shells in front of and behind a facet.
     pub fn shells_beside(&self, facet: FacetId) -> [ShellId; 2] {
-        self.facets[facet].uses.map(|face_use| face_use.shell)
+        let [front, back] = &self.facets[facet].uses;
+        [front.shell, back.shell]
     }
     /// Regions in front of and behind a facet.
     pub fn sides(&self, facet: FacetId) -> [RegionId; 2] {
-        self.shells_beside(facet).map(|shell| self.shells[shell].region)
+        let [front, back] = self.shells_beside(facet);
+        [self.shells[front].region, self.shells[back].region]
     }
     /// The shells of a region; the outer one is not always first.
     pub fn shells_of(&self, region: RegionId) -> impl Iterator<Item = ShellId> + '_ {

@@ -131,6 +131,9 @@ impl Workpiece {
     }
 
     fn area(&self, facet: FacetId) -> Vec3 {
+        if let Some([a, b, c]) = self.corners(facet).map(|t| self.points(t)) {
+            return (b - a).cross(&(c - a));
+        }
         let corners = self.brep.triangles(facet).map(|t| t.map(|v| self.point(v)));
         corners.map(|[a, b, c]| (b - a).cross(&(c - a))).sum()
     }
@@ -153,14 +156,18 @@ impl Workpiece {
         for vertex in vertices {
             let feet = self.feet(vertex, edge).into_iter().map(|to| (false, to));
             let slides = if aim.is_forced { self.slides(vertex) } else { Vec::new() };
+            let places: Vec<_> = feet.chain(slides.into_iter().map(|to| (true, to))).collect();
+            if places.is_empty() {
+                continue;
+            }
             let ring = self.ring(vertex);
-            let places = feet.chain(slides.into_iter().map(|to| (true, to)));
+            let places = places.into_iter();
             let allowed: Vec<_> =
                 places.filter_map(|(is_slide, to)| Some((is_slide, to, self.bent(vertex, &ring, &to, aim)?))).collect();
-            let star = ring.facets();
             if allowed.is_empty() {
                 continue;
             }
+            let star: Vec<FacetId> = ring.facets().collect();
             let weak = self.weak_around(&star, aim);
             for (is_slide, to, after) in allowed {
                 let from = std::mem::replace(&mut self.brep.vertices[vertex].point, to);
@@ -183,22 +190,21 @@ impl Workpiece {
         let floor = if aim.is_forced { 1.0 } else { before.cosine.max(cosine_of_degrees(FLAT_KEEPS)) };
         let allowed = before.excess.max(1.0) * self.bound.slack();
         let Effect { after, .. } = ring.plan(to, floor, allowed)?;
-        let is_near = ring.facets().into_iter().all(|f| self.sampled_excess(f, vertex, to) <= allowed);
+        let is_near = ring.facets().all(|f| self.is_sampled_within(f, vertex, to, allowed));
         (is_near && !after.is_flipped).then_some(after)
     }
 
-    /// Deviation of a triangle with one corner elsewhere, as a fraction of the bound, at a grid of points.
-    fn sampled_excess(&self, facet: FacetId, vertex: VertexId, to: &Vec3) -> f64 {
-        let (Some(corners), Some(support)) = (self.corners(facet), self.support(facet)) else { return 0.0 };
+    /// Whether a triangle with one corner elsewhere deviates by at most `allowed` times the bound at a grid of points.
+    fn is_sampled_within(&self, facet: FacetId, vertex: VertexId, to: &Vec3, allowed: f64) -> bool {
+        let (Some(corners), Some(support)) = (self.corners(facet), self.support(facet)) else { return true };
         let [a, b, c] = corners.map(|v| if v == vertex { *to } else { self.point(v) });
         let grid =
             (0..=SAMPLES).flat_map(|i| (0..=SAMPLES - i).map(move |j| [i, j].map(|k| f64::from(k) / f64::from(SAMPLES))));
-        let points = grid.map(|[s, t]| a * s + b * t + c * (1.0 - s - t));
-        let excess = points.map(|p| {
+        let mut points = grid.map(|[s, t]| a * s + b * t + c * (1.0 - s - t));
+        points.all(|p| {
             let foot = support.nearest(&p);
-            (foot.point - p).norm() / (self.bound.along(foot.curvature) * self.share(facet))
-        });
-        excess.fold(0.0, f64::max)
+            (foot.point - p).norm() <= allowed * self.bound.along(foot.curvature) * self.share(facet)
+        })
     }
 
     /// Places of a vertex in the planes of those facets at an edge that it is not a corner of: the feet, or, on a curve, where the
@@ -232,7 +238,7 @@ impl Workpiece {
     /// Places near a vertex on its curve or surface.
     fn slides(&self, vertex: VertexId) -> Vec<Vec3> {
         let here = self.point(vertex);
-        let Some(directions) = self.directions(vertex, &here) else { return Vec::new() };
+        let Some(directions) = self.directions(self.place(vertex), &here) else { return Vec::new() };
         let shortest = self.brep.topology.neighbours(vertex).map(|n| (self.point(n) - here).norm());
         let shortest = shortest.fold(f64::INFINITY, f64::min);
         let steps = SLIDES.iter().flat_map(|s| directions.iter().map(move |d| here + d * (s * shortest)));

@@ -41,6 +41,7 @@ mod bands;
 mod bends;
 mod creases;
 mod features;
+mod history;
 mod operators;
 mod pieces;
 mod polygons;
@@ -63,6 +64,7 @@ use crate::patch::fit::supports_of;
 use crate::patch::support::Support;
 use crate::scene::model::{Part, RemeshMode, RemeshOptions};
 use bands::Choice;
+use history::History;
 use sizing::{Bound, Limits};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -137,8 +139,7 @@ impl Workpiece {
             choice,
             obtuse: 0.0,
             measures: Vec::new(),
-            changed: Vec::new(),
-            is_still: Vec::new(),
+            history: History::default(),
         })
     }
 

@@ -44,6 +44,12 @@ impl Workpiece {
     /// Splits an edge in the middle, on its true curve or surface if it can, and says what was touched; `None` if it would
     /// harm a polygon or flip a triangle.
     pub fn split(&mut self, edge: EdgeId) -> Option<Touched> {
+        let (place, at) = self.site_of_split(edge)?;
+        self.split_at(edge, place, at)
+    }
+
+    /// Kind and place of the vertex that would split an edge.
+    pub fn site_of_split(&mut self, edge: EdgeId) -> Option<(Place, Vec3)> {
         let ends = self.brep.topology.ends(edge);
         let [a, b] = ends.map(|v| self.point(v));
         let middle = (a + b) * 0.5;
@@ -56,16 +62,12 @@ impl Workpiece {
             Some(strip) => Some(self.ruling_of(edge, strip)?),
             None => self.curve_of(edge),
         };
-        let is_feature = self.brep.is_feature(edge);
-        let (place, freedom) = match curve {
-            Some(c) => (Place::Curve(c), Freedom::Edge),
-            None if is_feature => return None,
-            None => (Place::Surface(surface), Freedom::Surface),
+        let place = match curve {
+            Some(c) => Place::Curve(c),
+            None if self.brep.is_feature(edge) => return None,
+            None => Place::Surface(surface),
         };
-        let home = match curve {
-            Some(c) => self.curves[c].nearest(&middle),
-            None => self.supports[surface].as_ref().map(|s| s.nearest(&middle).point),
-        };
+        let home = self.home_of(place, &middle);
         let allowed = |at: &Vec3| {
             treated.iter().all(|&f| self.split_keeps_sense(f, ends, at))
                 && around
@@ -73,7 +75,15 @@ impl Workpiece {
                     .filter(|f| !treated.contains(f))
                     .all(|&f| self.polygon_stays_simple(f, Change::Insert { ends, at: *at }))
         };
-        let at = home.into_iter().chain([middle]).find(|at| *at != a && *at != b && allowed(at))?;
+        let at = [home, middle].into_iter().find(|at| *at != a && *at != b && allowed(at))?;
+        Some((place, at))
+    }
+
+    /// Splits an edge at such a site.
+    pub fn split_at(&mut self, edge: EdgeId, place: Place, at: Vec3) -> Option<Touched> {
+        let freedom = if matches!(place, Place::Curve(_)) { Freedom::Edge } else { Freedom::Surface };
+        let ends = self.brep.topology.ends(edge);
+        let treated: Vec<FacetId> = self.brep.topology.facets_around(edge).filter(|&f| self.is_treated(f)).collect();
         let senses: Vec<f64> = treated.iter().map(|f| self.sense[f.index()]).collect();
         let sources: Vec<_> = treated.iter().map(|&f| self.brep.facets[f].surface).collect();
         let flags = &self.is_treated;
@@ -237,18 +247,6 @@ impl Workpiece {
 
 /// Relocate.
 impl Workpiece {
-    /// The worst triangle of a vertex's star, its feature edges included.
-    pub fn worst_at(&self, vertex: VertexId, star: &[FacetId]) -> Measure {
-        let mut worst = self.worst(star);
-        if let Place::Curve(c) = self.place(vertex) {
-            for edge in self.brep.topology.edges_at(vertex).filter(|&e| self.brep.is_feature(e)) {
-                let other = self.point(self.brep.topology.other_end(edge, vertex));
-                worst.excess = worst.excess.max(self.curve_excess(c, &other, &self.point(vertex)));
-            }
-        }
-        worst
-    }
-
     /// Moves a vertex.
     pub fn relocate(&mut self, vertex: VertexId, to: Vec3) {
         self.brep.vertices[vertex].point = to;

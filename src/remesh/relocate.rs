@@ -1,6 +1,5 @@
 //! Where vertices go.
 
-use super::operators::Effect;
 use super::quality::cosine_of_degrees;
 use super::workpiece::{Place, Workpiece};
 use crate::geom::Vec3;
@@ -29,11 +28,6 @@ const SQUEEZED: f64 = 5.0;
 const AT_HOME: f64 = 1e-6;
 /// Volume of three unit normals (sine for two) above which their surfaces meet in a point (a curve).
 const INDEPENDENT: f64 = 0.05;
-
-/// A step of the search is dropped before it is projected if its cosine is worse by more than this: projection changes less.
-const NEAR_HOME: f64 = 0.01;
-/// Steps of the pattern search for the best place.
-const SEARCH_STEPS: usize = 6;
 
 impl Workpiece {
     /// Moves a vertex towards its aim as far as that is legal; whether it moved.
@@ -127,44 +121,9 @@ impl Workpiece {
         (weights > 0.0).then(|| self.home(vertex, &(sum / weights)))
     }
 
-    /// The place near a vertex where the smallest angle around it is largest, by pattern search along its curve or in its
-    /// tangent plane; `None` if nothing is better than here.
-    pub fn best_place(&self, vertex: VertexId) -> Option<(Vec3, Effect)> {
-        let here = self.point(vertex);
-        let directions = self.directions(vertex, &here)?;
-        let ring = self.ring(vertex);
-        let before = ring.before;
-        let excess = before.excess.max(1.0);
-        let shortest = self.brep.topology.neighbours(vertex).map(|n| (self.point(n) - here).norm());
-        let mut step = 0.4 * shortest.fold(f64::INFINITY, f64::min);
-        let mut best = (here, Effect { before, after: before });
-        for _ in 0..SEARCH_STEPS {
-            let mut found = None;
-            for d in &directions {
-                let least = found.map_or(best.1.after.cosine, |f: (Vec3, Effect)| f.1.after.cosine);
-                let near = best.0 + d * step;
-                if ring.sharpest(&near, least + NEAR_HOME).is_none() {
-                    continue;
-                }
-                let to = self.home(vertex, &near);
-                if let Some(effect) = ring.plan(&to, least, excess)
-                    && effect.is_legal()
-                    && effect.after.cosine < least
-                {
-                    found = Some((to, effect));
-                }
-            }
-            match found {
-                Some(next) => best = next,
-                None => step *= 0.5,
-            }
-        }
-        best.1.is_better().then_some(best)
-    }
-
-    /// Directions in which a vertex may move.
-    pub fn directions(&self, vertex: VertexId, here: &Vec3) -> Option<Vec<Vec3>> {
-        match self.place(vertex) {
+    /// Directions in which a vertex of this kind may move.
+    pub fn directions(&self, place: Place, here: &Vec3) -> Option<Vec<Vec3>> {
+        match place {
             Place::Corner => None,
             Place::Curve(c) => {
                 let tangent = self.curves[c].closest(here)?.tangent;

@@ -1,6 +1,7 @@
 //! The kernel model under work, with what the operators need to know about it: supports, places, sizes.
 
 use super::bands::Choice;
+use super::history::History;
 use super::quality::sharpest_cosine;
 use super::sizing::Bound;
 use crate::brep::model::Brep;
@@ -111,10 +112,8 @@ pub(super) struct Workpiece {
     /// By surface: share of the bound that it may use; less where facets came too near to others.
     pub shares: Vec<f64>,
     pub choice: Choice,
-    /// By vertex: whether anything around it changed since it was last polished; all true if too short.
-    pub changed: Vec<bool>,
-    /// By vertex: whether no better place was found for it and nothing around it has changed since.
-    pub is_still: Vec<bool>,
+    /// What changed when.
+    pub history: History,
 }
 
 impl Workpiece {
@@ -246,6 +245,14 @@ impl Workpiece {
     pub fn home(&self, vertex: VertexId, point: &Vec3) -> Vec3 {
         match self.place(vertex) {
             Place::Corner => self.point(vertex),
+            place => self.home_of(place, point),
+        }
+    }
+
+    /// The nearest point of a curve or surface.
+    pub fn home_of(&self, place: Place, point: &Vec3) -> Vec3 {
+        match place {
+            Place::Corner => *point,
             Place::Curve(c) => self.curves[c].nearest(point).unwrap_or(*point),
             Place::Surface(s) => self.supports[s].as_ref().map_or(*point, |s| s.nearest(point).point),
         }
@@ -256,26 +263,15 @@ impl Workpiece {
         self.shares[self.brep.facets[facet].surface.index()]
     }
 
-    /// Whether anything around a vertex changed since the last polish.
-    pub fn is_changed(&self, vertex: VertexId) -> bool {
-        self.changed.get(vertex.index()).copied().unwrap_or(true)
-    }
-
-    /// Marks the corners of facets as changed.
+    /// Notes that facets have changed.
     pub fn mark(&mut self, facets: &[FacetId]) {
         for &facet in facets {
             if let Some(slot) = self.measures.get(facet.index()) {
                 slot.set(None);
             }
-            for vertex in self.corners(facet).into_iter().flatten() {
-                if let Some(flag) = self.changed.get_mut(vertex.index()) {
-                    *flag = true;
-                }
-                if let Some(flag) = self.is_still.get_mut(vertex.index()) {
-                    *flag = false;
-                }
-            }
         }
+        let topology = &self.brep.topology;
+        self.history.change(facets.iter().filter_map(|&f| topology.triangle(f)).flatten());
     }
 
     /// After an operation: makes room for new ids and marks the new triangles.
