@@ -5,7 +5,7 @@
 
 use super::bands::STRAIGHT;
 use super::polygons::Change;
-use super::quality::sharpest_cosine;
+use super::quality::{is_sharper, sharpest_cosine};
 use super::workpiece::{CurveId, Measure, Place, Workpiece, sorted};
 use crate::brep::complex::ComplexVertex;
 use crate::brep::local::{Collapse, Swap, Touched};
@@ -139,11 +139,9 @@ impl Workpiece {
     /// small that its cosine passes `limit`.
     pub fn plan_collapse(&self, edge: EdgeId, gone: VertexId, limit: f64) -> Option<(Collapse, Effect)> {
         let kept = self.brep.topology.other_end(edge, gone);
-        let is_feature = self.brep.is_feature(edge);
         match self.place(gone) {
             Place::Corner => return None,
-            Place::Curve(_) if !is_feature => return None,
-            Place::Curve(_) if !self.is_active(edge) => return None,
+            Place::Curve(_) if !self.brep.is_feature(edge) || !self.is_active(edge) => return None,
             _ => {}
         }
         let at = self.point(kept);
@@ -156,7 +154,7 @@ impl Workpiece {
             let corners = self.corners(facet)?;
             if !corners.contains(&kept) {
                 let [a, b, c] = moved(corners);
-                if sharpest_cosine([&a, &b, &c], self.obtuse) > limit {
+                if is_sharper([&a, &b, &c], self.obtuse, limit) {
                     return None;
                 }
             }

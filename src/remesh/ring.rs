@@ -2,7 +2,7 @@
 
 use super::operators::Effect;
 use super::polygons::Change;
-use super::quality::sharpest_cosine;
+use super::quality::{is_sharper, sharpest_cosine};
 use super::workpiece::{Area, CurveId, Measure, Place, Workpiece};
 use crate::brep::store::EdgeId;
 use crate::geom::Vec3;
@@ -49,6 +49,12 @@ struct Spoke<'a> {
 }
 
 impl Spoke<'_> {
+    /// The corners, in no certain order, with the vertex elsewhere.
+    #[inline]
+    fn around<'b>(&'b self, to: &'b Vec3) -> [&'b Vec3; 3] {
+        [to, &self.corners[(self.at + 1) % 3], &self.corners[(self.at + 2) % 3]]
+    }
+
     fn moved(&self, to: &Vec3) -> [Vec3; 3] {
         let mut corners = self.corners;
         corners[self.at] = *to;
@@ -132,25 +138,25 @@ impl Ring<'_> {
         self.spokes.iter().map(|s| s.facet)
     }
 
-    /// Cosine of the smallest angle if the vertex were elsewhere; `None` if it passes `limit`.
-    fn sharpest(&self, to: &Vec3, limit: f64) -> Option<f64> {
-        let mut sharpest = Measure::BEST.cosine;
-        for spoke in &self.spokes {
-            let [a, b, c] = spoke.moved(to);
-            let cosine = sharpest_cosine([&a, &b, &c], self.work.obtuse);
-            if cosine > limit {
-                return None;
-            }
-            sharpest = sharpest.max(cosine);
-        }
-        Some(sharpest)
+    /// Whether the cosine of an angle would pass `limit` if the vertex were elsewhere.
+    fn is_sharper(&self, to: &Vec3, limit: f64) -> bool {
+        self.spokes.iter().any(|s| is_sharper(s.around(to), self.work.obtuse, limit))
+    }
+
+    /// Cosine of the smallest angle if the vertex were elsewhere.
+    fn sharpest(&self, to: &Vec3) -> f64 {
+        let cosines = self.spokes.iter().map(|s| sharpest_cosine(s.around(to), self.work.obtuse));
+        cosines.fold(Measure::BEST.cosine, f64::max)
     }
 
     /// What moving the vertex would do; `None` if polygons forbid it, a triangle turns over, the deviation passes `excess`, or an
     /// angle gets so small that its cosine passes `limit`.
     pub fn plan(&self, to: &Vec3, limit: f64, excess: f64) -> Option<Effect> {
         // Shapes first: they cost a tenth of a look at the supports.
-        let cosine = self.sharpest(to, limit)?;
+        if self.is_sharper(to, limit) {
+            return None;
+        }
+        let cosine = self.sharpest(to);
         let mut after = Measure { cosine, ..Measure::BEST };
         for spoke in &self.spokes {
             let Some(area) = &spoke.area else { continue };
@@ -187,7 +193,7 @@ impl Ring<'_> {
             for d in &directions {
                 let least = found.map_or(best.1.after.cosine, |f: (Vec3, Effect)| f.1.after.cosine);
                 let near = best.0 + d * step;
-                if self.sharpest(&near, least + NEAR_HOME).is_none() {
+                if self.is_sharper(&near, least + NEAR_HOME) {
                     continue;
                 }
                 let to = self.work.home_of(self.place, &near);

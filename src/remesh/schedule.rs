@@ -332,7 +332,9 @@ impl Workpiece {
 
     /// Improves one triangle; gives the facets around if it did.
     fn mend(&mut self, facet: FacetId) -> Vec<FacetId> {
+        let Some(corners) = self.corners(facet) else { return Vec::new() };
         let edges = self.edges_of(&[facet]);
+        let sharpest = corners.map(|v| self.sharpest_at(v));
         let mut still = Vec::new();
         let mut best: Option<(f64, Mend)> = None;
         let mut consider = |effect: &Effect, what: Mend| {
@@ -345,14 +347,15 @@ impl Workpiece {
                 consider(&effect, Mend::Swap(plan));
             }
             for gone in self.brep.topology.ends(edge) {
-                if let Some((plan, effect)) = self.plan_collapse(edge, gone, self.sharpest_at(gone) - LEAST_GAIN)
+                let limit = corners.iter().position(|&v| v == gone).map_or(0.0, |k| sharpest[k] - LEAST_GAIN);
+                if let Some((plan, effect)) = self.plan_collapse(edge, gone, limit)
                     && !self.would_stretch(plan.gone, plan.kept, LONG)
                 {
                     consider(&effect, Mend::Collapse(plan));
                 }
             }
         }
-        for vertex in self.corners(facet).into_iter().flatten() {
+        for vertex in corners {
             if self.history.is_kept(vertex) {
                 continue;
             }

@@ -117,6 +117,7 @@ pub(super) struct Workpiece {
 }
 
 impl Workpiece {
+    #[inline]
     pub fn point(&self, vertex: VertexId) -> Vec3 {
         self.brep.vertices[vertex].point
     }
@@ -129,6 +130,7 @@ impl Workpiece {
         self.places[vertex.index()]
     }
 
+    #[inline]
     pub fn is_treated(&self, facet: FacetId) -> bool {
         self.is_treated.get(facet.index()).copied().unwrap_or(false)
     }
@@ -209,7 +211,8 @@ impl Workpiece {
 
     /// The worst shape of the treated facets at a vertex.
     pub fn sharpest_at(&self, vertex: VertexId) -> f64 {
-        self.star(vertex).into_iter().map(|f| self.sharpest(f)).fold(Measure::BEST.cosine, f64::max)
+        let star = self.brep.topology.facets_at(vertex).filter(|&f| self.is_treated(f));
+        star.map(|f| self.sharpest(f)).fold(Measure::BEST.cosine, f64::max)
     }
 
     /// Whether a triangle's normal has the sense of its support's; `None` if it is too steep to tell.
