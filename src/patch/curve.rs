@@ -14,6 +14,9 @@ const TANGENT_SINE: f64 = 0.02;
 /// Newton steps on a crossing; quadratic convergence needs about four.
 const MAX_STEPS: usize = 40;
 
+/// Jumps between patches, in their grain, that a foot may be left in.
+const JUMP: f64 = 100.0;
+
 /// Fraction of the way that may be left for a distance.
 const ROUGH: f64 = 1e-6;
 
@@ -60,13 +63,14 @@ pub struct CurveFoot {
 impl Curve {
     /// The curve of a chain of vertices (closed if its ends are equal) on `supports`: a line or a circle if the chain, or its foot on
     /// all supports, lies on one and the supports agree halfway between vertices, else the crossing of the supports, else the chain
-    /// itself.
-    pub fn of_chain(chain: &[Vec3], supports: &[Arc<Support>]) -> Self {
+    /// itself. That is also taken between sampled surfaces whose samples it consists of: unless an intersection made it (`is_cut`).
+    pub fn of_chain(chain: &[Vec3], supports: &[Arc<Support>], is_cut: bool) -> Self {
         let exact = line_through(chain, supports).or_else(|| circle_through(chain, supports));
         if let Some(curve) = exact {
             return curve;
         }
-        let is_sampled = supports.iter().any(|s| matches!(**s, Support::Fitted(_)));
+        let sampled = supports.iter().filter(|s| matches!(***s, Support::Fitted(_))).count();
+        let is_sampled = sampled > 1 && !is_cut;
         let crosses = || chain.windows(2).all(|w| project_on_all(&((w[0] + w[1]) * 0.5), supports).is_some());
         let feet: Option<Vec<Vec3>> = chain.iter().map(|p| project_on_all(p, supports)).collect();
         match feet {
@@ -136,14 +140,15 @@ pub fn project_on_all(start: &Vec3, supports: &[Arc<Support>]) -> Option<Vec3> {
 fn newton(start: &Vec3, supports: &[Arc<Support>], rough: f64) -> Option<Vec3> {
     let mut point = *start;
     let (mut first, mut last) = (None, f64::NAN);
+    let grain = supports.iter().map(|s| s.grain()).fold(0.0, f64::max);
     for _ in 0..MAX_STEPS {
         let step = least_step(&point, supports)?;
         let length = step.norm();
         point += step;
-        let enough = (4.0 * f64::EPSILON * point.amax()).max(rough * *first.get_or_insert(length));
+        let enough = (4.0 * f64::EPSILON * point.amax()).max(rough * *first.get_or_insert(length)).max(grain);
         // What the next step would be, by quadratic convergence.
         let next = length * (length / last) * (length / last);
-        if length <= enough || next <= enough || (length >= last && length <= 1e-10 * point.amax()) {
+        if length <= enough || next <= enough || (length >= last && length <= (1e-10 * point.amax()).max(JUMP * grain)) {
             return Some(point);
         }
         last = length;
@@ -308,7 +313,7 @@ mod tests {
             Vec3::new(50.0 * libm::cos(a), 50.0 * libm::sin(a), 0.1)
         };
         let chain: Vec<Vec3> = (0..=24).map(at).collect();
-        let curve = Curve::of_chain(&chain, &[cylinder(2, 50.0), plane]);
+        let curve = Curve::of_chain(&chain, &[cylinder(2, 50.0), plane], false);
         assert!(matches!(curve, Curve::Circle { .. }));
         let foot = curve.closest(&Vec3::new(3.0, 4.0, 7.0)).unwrap();
         assert!((foot.point - Vec3::new(30.0, 40.0, 0.1)).norm() < 1e-12 && foot.point.z == 0.1);

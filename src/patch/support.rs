@@ -138,6 +138,14 @@ impl Support {
         (self.nearest(point).point - point).norm()
     }
 
+    /// What counts as no distance: patches of neighbouring facets differ by that.
+    pub fn grain(&self) -> f64 {
+        match self {
+            Self::Fitted(s) => s.grain(),
+            _ => 0.0,
+        }
+    }
+
     /// Whether it is flat.
     pub fn is_plane(&self) -> bool {
         matches!(self, Self::Plane(_))

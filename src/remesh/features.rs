@@ -117,7 +117,8 @@ impl Workpiece {
         }
         let points: Vec<Vec3> = chain.iter().map(|&v| self.point(v)).collect();
         let supports = self.crossing_supports(edge, &points);
-        let curve = self.curves.push(Curve::of_chain(&points, &supports));
+        let is_cut = chain.iter().any(|&v| self.brep.vertices[v].freedom == Freedom::Intersection);
+        let curve = self.curves.push(Curve::of_chain(&points, &supports, is_cut));
         self.enter_chain(&chain, curve, is_closed);
     }
 
