@@ -81,8 +81,8 @@ impl Brep {
     pub fn is_feature(&self, edge: EdgeId) -> bool {
         let mut ring = self.topology.fins_around(edge);
         let (Some(f), Some(g), None) = (ring.next(), ring.next(), ring.next()) else { return true };
-        let [a, b] = [f, g].map(|fin| self.topology.facet_of(fin));
-        let [mut here, there] = [a, b].map(|facet| self.topology.sides(facet));
+        let (a, b) = (self.topology.facet_of(f), self.topology.facet_of(g));
+        let (mut here, there) = (self.topology.sides(a), self.topology.sides(b));
         if self.topology.is_along(f) == self.topology.is_along(g) {
             here.reverse();
         }

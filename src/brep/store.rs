@@ -70,6 +70,7 @@ impl Side {
 
 impl FinId {
     /// The half-edge on one side.
+    #[inline]
     pub fn on(self, side: Side) -> HalfEdgeId {
         HalfEdgeId(2 * self.0 + side as u32)
     }
@@ -77,14 +78,17 @@ impl FinId {
 
 impl HalfEdgeId {
     /// Its fin.
+    #[inline]
     pub fn fin(self) -> FinId {
         FinId(self.0 / 2)
     }
     /// Its side.
+    #[inline]
     pub fn side(self) -> Side {
         Side::from_bit(self.0)
     }
     /// The other half-edge of the fin, on the other side of the facet.
+    #[inline]
     pub fn opposite(self) -> HalfEdgeId {
         HalfEdgeId(self.0 ^ 1)
     }
@@ -92,26 +96,32 @@ impl HalfEdgeId {
 
 impl FaceUseId {
     /// The use of a facet on one side.
+    #[inline]
     pub fn new_on(facet: FacetId, side: Side) -> Self {
         FaceUseId(2 * facet.0 + side as u32)
     }
     /// Its facet.
+    #[inline]
     pub fn facet(self) -> FacetId {
         FacetId(self.0 / 2)
     }
     /// Its side.
+    #[inline]
     pub fn side(self) -> Side {
         Side::from_bit(self.0)
     }
 }
 
 impl EndId {
+    #[inline]
     pub(super) fn new_of(edge: EdgeId, end: usize) -> Self {
         EndId(2 * edge.0 + end as u32)
     }
+    #[inline]
     pub(super) fn edge(self) -> EdgeId {
         EdgeId(self.0 / 2)
     }
+    #[inline]
     pub(super) fn end(self) -> usize {
         (self.0 & 1) as usize
     }
@@ -228,6 +238,7 @@ impl<I: Id, T> Arena<I, T> {
         self.is_live[id.index()] = false;
         self.free.push(id);
     }
+    #[inline]
     pub fn is_live(&self, id: I) -> bool {
         self.is_live.get(id.index()).copied().unwrap_or(false)
     }
@@ -246,12 +257,14 @@ impl<I: Id, T> Arena<I, T> {
 
 impl<I: Id, T> Index<I> for Arena<I, T> {
     type Output = T;
+    #[inline]
     fn index(&self, id: I) -> &T {
         &self.slots[id]
     }
 }
 
 impl<I: Id, T> IndexMut<I> for Arena<I, T> {
+    #[inline]
     fn index_mut(&mut self, id: I) -> &mut T {
         &mut self.slots[id]
     }

@@ -1,6 +1,6 @@
 //! Exact surfaces of primitives.
 
-use super::support::{Foot, Support, any_normal_to, bending_of_level};
+use super::support::{Foot, Nearest, Support, any_normal_to, bending_of_level};
 use crate::geom::{Affine, Vec3};
 use crate::primitive::solid::Shape;
 use crate::scene::model::Frame;
@@ -61,6 +61,12 @@ impl Cone {
     }
 
     pub(super) fn closest(&self, point: &Vec3) -> Foot {
+        let Nearest { point, normal, curvature } = self.nearest(point);
+        let around = self.frame.z.cross(&normal).try_normalize(0.0).unwrap_or(self.frame.y);
+        Foot { point, normal, bending: around * around.transpose() * curvature }
+    }
+
+    pub(super) fn nearest(&self, point: &Vec3) -> Nearest {
         let (radial, radius, height) = cylindrical(&self.frame, point);
         // In the half plane (radius, height): the foot on the line radius = r + slope * height, not below the axis.
         let along = (height + self.slope * (radius - self.radius)) / (self.stretch * self.stretch);
@@ -71,14 +77,9 @@ impl Cone {
             foot_height = -self.radius / self.slope;
         }
         let normal = (radial - self.frame.z * self.slope) / self.stretch;
-        let around = self.frame.z.cross(&radial);
         let least = SMALLEST_RADIUS * (self.radius.abs() + height.abs() + radius);
         let curvature = 1.0 / (self.stretch * foot_radius.max(least).max(f64::MIN_POSITIVE));
-        Foot {
-            point: self.frame.origin + radial * foot_radius + self.frame.z * foot_height,
-            normal,
-            bending: around * around.transpose() * curvature,
-        }
+        Nearest { point: self.frame.origin + radial * foot_radius + self.frame.z * foot_height, normal, curvature }
     }
 }
 

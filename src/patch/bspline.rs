@@ -31,8 +31,15 @@ const CONTROLS: usize = SPANS + 3;
 /// How far the parameter domain reaches past the points, as a fraction of their extent.
 const MARGIN: f64 = 0.05;
 
-/// Newton steps of the projection; each at least halves the error near the patch.
-const MAX_STEPS: usize = 30;
+/// Newton steps of the projection at most; near the patch three or four do.
+const MAX_STEPS: usize = 12;
+/// A step of this fraction of a span leaves its square.
+const ACCURACY: f64 = 1e-8;
+/// Determinant of the Hessian, as a fraction of its diagonal's, below which a Newton step is not trusted.
+const LEAST_CONVEXITY: f64 = 0.01;
+
+/// Height, gradient, and second derivatives uu, uv, vv.
+type Height = (f64, [f64; 2], [f64; 3]);
 
 /// A fitted patch: heights over a plane.
 #[derive(Clone, Debug)]
@@ -91,20 +98,18 @@ impl BsplinePatch {
         let relative = point - self.plane.origin;
         let target = self.axes.map(|a| a.dot(&relative));
         let height = self.plane.height(point);
+        let enough = ACCURACY * (self.span[0] + self.span[1]);
         let mut q = target;
+        let mut at = self.height(q);
         for _ in 0..MAX_STEPS {
-            // The foot on the tangent plane: solves (I + g g') step = (target - q) + (height - h) g.
-            let (h, g, _) = self.height(q);
-            let rest = height - h;
-            let r = [target[0] - q[0] + rest * g[0], target[1] - q[1] + rest * g[1]];
-            let scale = (r[0] * g[0] + r[1] * g[1]) / (1.0 + g[0] * g[0] + g[1] * g[1]);
-            let step = [r[0] - scale * g[0], r[1] - scale * g[1]];
+            let step = self.step_to_foot(q, &at, target, height);
             q = [q[0] + step[0], q[1] + step[1]];
-            if libm::hypot(step[0], step[1]) <= f64::EPSILON * (self.span[0] + self.span[1]) {
+            at = self.height(q);
+            if libm::hypot(step[0], step[1]) <= enough {
                 break;
             }
         }
-        let (h, g, hess) = self.height(q);
+        let (h, g, hess) = at;
         let n = self.plane.normal;
         let [u, v] = self.axes;
         let gradient = n - u * g[0] - v * g[1];
@@ -117,14 +122,37 @@ impl BsplinePatch {
         }
     }
 
+    /// Newton's step of half the square of the distance, whose gradient is q - target - rest g and whose Hessian I + g g' - rest H;
+    /// without H, which is the foot on the tangent plane, where that is not positive definite.
+    fn step_to_foot(&self, q: [f64; 2], at: &Height, target: [f64; 2], height: f64) -> [f64; 2] {
+        let (h, g, hess) = at;
+        let rest = height - h;
+        let down = [target[0] - q[0] + rest * g[0], target[1] - q[1] + rest * g[1]];
+        let solve = |rest: f64| {
+            let [a, b, c] =
+                [1.0 + g[0] * g[0] - rest * hess[0], g[0] * g[1] - rest * hess[1], 1.0 + g[1] * g[1] - rest * hess[2]];
+            let determinant = a * c - b * b;
+            let step = [(c * down[0] - b * down[1]) / determinant, (a * down[1] - b * down[0]) / determinant];
+            (a > 0.0 && determinant > LEAST_CONVEXITY * a * c).then_some(step)
+        };
+        solve(rest).or_else(|| solve(0.0)).unwrap_or([0.0; 2])
+    }
+
     /// Height with gradient and second derivatives (uu, uv, vv) at plane coordinates.
-    fn height(&self, q: [f64; 2]) -> (f64, [f64; 2], [f64; 3]) {
+    fn height(&self, q: [f64; 2]) -> Height {
         let inside = [0, 1].map(|k| q[k].clamp(self.low[k], self.low[k] + self.span[k] * SPANS as f64));
         let (i, j, wu, wv) = self.basis(inside);
-        let sum = |du: usize, dv: usize| -> f64 {
-            let terms = (0..4).flat_map(|a| (0..4).map(move |b| (a, b)));
-            terms.map(|(a, b)| wu[du][a] * wv[dv][b] * self.controls[(i + a) * CONTROLS + j + b]).sum()
-        };
+        // Value and two derivatives along v of the four control rows.
+        let mut rows = [[0.0; 3]; 4];
+        for (a, row) in rows.iter_mut().enumerate() {
+            for b in 0..4 {
+                let c = self.controls[(i + a) * CONTROLS + j + b];
+                for (r, w) in row.iter_mut().zip(&wv) {
+                    *r += w[b] * c;
+                }
+            }
+        }
+        let sum = |du: usize, dv: usize| wu[du].iter().zip(&rows).map(|(w, row)| w * row[dv]).sum::<f64>();
         let [su, sv] = self.span;
         let g = [sum(1, 0) / su, sum(0, 1) / sv];
         let out = [q[0] - inside[0], q[1] - inside[1]];

@@ -3,7 +3,7 @@
 //! A vertex of an intersection of facetted surfaces lies on both sets of facets, not on both true surfaces: a zigzag about the
 //! true curve. Projection on all surfaces at once turns it into that curve.
 
-use super::support::{Foot, Support};
+use super::support::{Foot, Nearest, Support};
 use crate::geom::Vec3;
 use nalgebra::Matrix3;
 use std::sync::Arc;
@@ -11,8 +11,14 @@ use std::sync::Arc;
 /// The sine of the angle below which two surfaces count as tangent: their crossing is then ill-conditioned by over 1 / sine.
 const TANGENT_SINE: f64 = 0.02;
 
-/// Newton steps on a crossing; quadratic convergence needs about five.
+/// Newton steps on a crossing; quadratic convergence needs about four.
 const MAX_STEPS: usize = 40;
+
+/// Jumps between patches, in their grain, that a foot may be left in.
+const JUMP: f64 = 100.0;
+
+/// Fraction of the way that may be left for a distance.
+const ROUGH: f64 = 1e-6;
 
 /// How well, relative to their extent, the points of a chain must meet a line or circle to be taken for one. Vertices of exact
 /// curves agree to rounding; contact may move them by 1e-9 of the model.
@@ -55,19 +61,26 @@ pub struct CurveFoot {
 }
 
 impl Curve {
-    /// The curve of a chain of vertices (closed if its ends are equal) on `supports`: a line or a circle if the chain lies on
-    /// one and the supports agree halfway between vertices, else the crossing of the supports, else the chain itself.
-    pub fn of_chain(chain: &[Vec3], supports: &[Arc<Support>]) -> Self {
+    /// The curve of a chain of vertices (closed if its ends are equal) on `supports`: a line or a circle if the chain, or its foot on
+    /// all supports, lies on one and the supports agree halfway between vertices, else the crossing of the supports, else the chain
+    /// itself. That is also taken between sampled surfaces whose samples it consists of: unless an intersection made it (`is_cut`).
+    pub fn of_chain(chain: &[Vec3], supports: &[Arc<Support>], is_cut: bool) -> Self {
         let exact = line_through(chain, supports).or_else(|| circle_through(chain, supports));
         if let Some(curve) = exact {
             return curve;
         }
-        let is_sampled = supports.iter().any(|s| matches!(**s, Support::Fitted(_)));
+        let sampled = supports.iter().filter(|s| matches!(***s, Support::Fitted(_))).count();
+        let is_sampled = sampled > 1 && !is_cut;
         let crosses = || chain.windows(2).all(|w| project_on_all(&((w[0] + w[1]) * 0.5), supports).is_some());
-        if supports.len() > 1 && !is_sampled && chain.iter().all(|p| project_on_all(p, supports).is_some()) && crosses() {
-            return Self::Crossing(supports.to_vec());
+        let feet: Option<Vec<Vec3>> = chain.iter().map(|p| project_on_all(p, supports)).collect();
+        match feet {
+            Some(feet) if supports.len() > 1 && !is_sampled && crosses() => {
+                // Spheres, and surfaces of revolution about one axis, cross in circles.
+                let exact = line_through(&feet, supports).or_else(|| circle_through(&feet, supports));
+                exact.unwrap_or_else(|| Self::Crossing(supports.to_vec()))
+            }
+            _ => Self::Polyline(chain.to_vec()),
         }
-        Self::Polyline(chain.to_vec())
     }
 
     /// The closest point, exact for lines and circles; on a crossing the point that Newton's method finds from `point`;
@@ -86,27 +99,57 @@ impl Curve {
             }
             Self::Crossing(supports) => {
                 let point = project_on_all(point, supports)?;
-                let feet: Vec<Foot> = supports.iter().map(|s| s.closest(&point)).collect();
-                crossing_tangent(&feet).map(|(tangent, curvature)| CurveFoot { point, tangent, curvature })
+                let (tangent, curvature) = crossing_tangent(&point, supports)?;
+                Some(CurveFoot { point, tangent, curvature })
             }
             Self::Polyline(chain) => polyline_foot(chain, point),
         }
+    }
+
+    /// The closest point alone.
+    pub fn nearest(&self, point: &Vec3) -> Option<Vec3> {
+        match self {
+            Self::Crossing(supports) => project_on_all(point, supports),
+            _ => Some(self.closest(point)?.point),
+        }
+    }
+
+    /// Distance of a point near the curve to it, to about six digits, and the curvature there.
+    pub fn gap(&self, point: &Vec3) -> Option<(f64, f64)> {
+        let (at, curvature) = match self {
+            Self::Crossing(supports) => {
+                let at = newton(point, supports, ROUGH)?;
+                (at, crossing_tangent(&at, supports)?.1)
+            }
+            _ => {
+                let foot = self.closest(point)?;
+                (foot.point, foot.curvature)
+            }
+        };
+        Some(((at - point).norm(), curvature))
     }
 }
 
 /// The point on all of the surfaces that Newton's method with least steps finds from `start`; `None` where they are tangent or
 /// it does not converge. With three surfaces: the corner that they share.
 pub fn project_on_all(start: &Vec3, supports: &[Arc<Support>]) -> Option<Vec3> {
+    Some(on_planes(newton(start, supports, 0.0)?, supports))
+}
+
+/// Newton's method until what is left is a fraction `rough` of its first step, or rounding.
+fn newton(start: &Vec3, supports: &[Arc<Support>], rough: f64) -> Option<Vec3> {
     let mut point = *start;
-    let mut last = f64::INFINITY;
+    let (mut first, mut last) = (None, f64::NAN);
+    let grain = supports.iter().map(|s| s.grain()).fold(0.0, f64::max);
     for _ in 0..MAX_STEPS {
-        let feet: Vec<Foot> = supports.iter().map(|s| s.closest(&point)).collect();
-        let step = least_step(&point, &feet)?;
+        let step = least_step(&point, supports)?;
         let length = step.norm();
         point += step;
-        let is_small = length <= 4.0 * f64::EPSILON * point.amax();
-        if is_small || (length >= last && length <= 1e-10 * point.amax()) {
-            return Some(on_planes(point, supports));
+        let enough = (4.0 * f64::EPSILON * point.amax()).max(rough * *first.get_or_insert(length)).max(grain);
+        // What the next step would be, by quadratic convergence.
+        let next = length * (length / last) * (length / last);
+        if length <= enough || next <= enough || (length >= last && length <= (1e-10 * point.amax()).max(JUMP * grain)) {
+            return Some(point);
         }
         last = length;
     }
@@ -116,30 +159,44 @@ pub fn project_on_all(start: &Vec3, supports: &[Arc<Support>]) -> Option<Vec3> {
 /// The point moved onto the planes among the supports, so that no rounding of other surfaces shows in planar facets.
 fn on_planes(point: Vec3, supports: &[Arc<Support>]) -> Vec3 {
     let planes = supports.iter().filter(|s| s.is_plane());
-    planes.fold(point, |p, s| s.closest(&p).point)
+    planes.fold(point, |p, s| s.nearest(&p).point)
 }
 
-/// The least step to where the tangent planes of the feet meet.
-fn least_step(point: &Vec3, feet: &[Foot]) -> Option<Vec3> {
-    // Up to three surfaces; the rest of the system is the identity.
-    let gram = Matrix3::from_fn(|i, j| match (feet.get(i), feet.get(j)) {
-        (Some(f), Some(g)) => f.normal.dot(&g.normal),
-        _ => f64::from(u8::from(i == j)),
-    });
-    let rest = Vec3::from_fn(|i, _| feet.get(i).map_or(0.0, |f| (f.point - point).dot(&f.normal)));
-    // The surfaces cross if their normals span as many directions as there are surfaces.
-    if feet.len() > 3 || gram.determinant() < TANGENT_SINE * TANGENT_SINE {
-        return None;
+/// The least step to where the tangent planes of up to three surfaces meet. They cross if their normals span as many directions as
+/// there are surfaces.
+fn least_step(point: &Vec3, supports: &[Arc<Support>]) -> Option<Vec3> {
+    let plane = |s: &Arc<Support>| {
+        let Nearest { point: foot, normal, .. } = s.nearest(point);
+        (normal, (foot - point).dot(&normal))
+    };
+    match supports {
+        [a] => {
+            let (m, s) = plane(a);
+            Some(m * s)
+        }
+        [a, b] => {
+            let ((m, s), (n, t)) = (plane(a), plane(b));
+            let c = m.dot(&n);
+            let square = 1.0 - c * c;
+            (square >= TANGENT_SINE * TANGENT_SINE).then(|| (m * (s - c * t) + n * (t - c * s)) / square)
+        }
+        [a, b, c] => {
+            let planes = [plane(a), plane(b), plane(c)];
+            let normals = Matrix3::from_rows(&planes.map(|p| p.0.transpose()));
+            let volume = normals.determinant();
+            let rest = Vec3::new(planes[0].1, planes[1].1, planes[2].1);
+            if volume * volume < TANGENT_SINE * TANGENT_SINE { None } else { Some(normals.try_inverse()? * rest) }
+        }
+        _ => None,
     }
-    let weights = gram.try_inverse()? * rest;
-    Some(feet.iter().zip(weights.iter()).map(|(f, w)| f.normal * *w).sum())
 }
 
 /// Tangent and curvature of the curve on the first two surfaces whose normals differ: the component of the curvature vector
 /// along each normal is the surface's normal curvature along the tangent.
-fn crossing_tangent(feet: &[Foot]) -> Option<(Vec3, f64)> {
-    let a = feet.first()?;
-    let b = feet.iter().skip(1).find(|f| f.normal.cross(&a.normal).norm() > TANGENT_SINE)?;
+fn crossing_tangent(point: &Vec3, supports: &[Arc<Support>]) -> Option<(Vec3, f64)> {
+    let a = supports.first()?.closest(point);
+    let others = supports.iter().skip(1).map(|s| s.closest(point));
+    let b: Foot = others.into_iter().find(|f| f.normal.cross(&a.normal).norm() > TANGENT_SINE)?;
     let tangent = a.normal.cross(&b.normal).try_normalize(0.0)?;
     let (ka, kb) = (a.curvature_along(&tangent), b.curvature_along(&tangent));
     let c = a.normal.dot(&b.normal);
@@ -256,7 +313,7 @@ mod tests {
             Vec3::new(50.0 * libm::cos(a), 50.0 * libm::sin(a), 0.1)
         };
         let chain: Vec<Vec3> = (0..=24).map(at).collect();
-        let curve = Curve::of_chain(&chain, &[cylinder(2, 50.0), plane]);
+        let curve = Curve::of_chain(&chain, &[cylinder(2, 50.0), plane], false);
         assert!(matches!(curve, Curve::Circle { .. }));
         let foot = curve.closest(&Vec3::new(3.0, 4.0, 7.0)).unwrap();
         assert!((foot.point - Vec3::new(30.0, 40.0, 0.1)).norm() < 1e-12 && foot.point.z == 0.1);

@@ -1,7 +1,7 @@
 //! Closest point of an ellipsoid.
 
 use super::analytic::{into_frame, out_of_frame};
-use super::support::{Foot, bending_of_level};
+use super::support::{Foot, Nearest, bending_of_level};
 use crate::geom::Vec3;
 use crate::scene::model::Frame;
 use nalgebra::{Matrix3, Rotation3};
@@ -22,12 +22,23 @@ impl Ellipsoid {
         Self { frame, radii }
     }
 
+    /// The closest point if the half axes are equal and the point is not the centre.
+    fn on_sphere(&self, point: &Vec3) -> Option<Nearest> {
+        let radius = self.radii.x;
+        if self.radii.y != radius || self.radii.z != radius {
+            return None;
+        }
+        let normal = (point - self.frame.origin).try_normalize(0.0)?;
+        Some(Nearest { point: self.frame.origin + normal * radius, normal, curvature: 1.0 / radius })
+    }
+
+    pub(super) fn nearest(&self, point: &Vec3) -> Nearest {
+        self.on_sphere(point).unwrap_or_else(|| self.closest(point).into())
+    }
+
     pub(super) fn closest(&self, point: &Vec3) -> Foot {
-        if self.radii.min() == self.radii.max()
-            && let Some(normal) = (point - self.frame.origin).try_normalize(0.0)
-        {
-            let bending = (Matrix3::identity() - normal * normal.transpose()) / self.radii.x;
-            return Foot { point: self.frame.origin + normal * self.radii.x, normal, bending };
+        if let Some(Nearest { point, normal, curvature }) = self.on_sphere(point) {
+            return Foot { point, normal, bending: (Matrix3::identity() - normal * normal.transpose()) * curvature };
         }
         let local = into_frame(&self.frame, point);
         let foot = closest_in_octant(&self.radii, &local.abs());

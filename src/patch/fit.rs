@@ -13,17 +13,24 @@ use crate::primitive::solid::{Freedom, Shape};
 use crate::scene::model::PatchMode;
 use rayon::prelude::*;
 use std::cell::Cell;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 
 /// A patch is dropped for its facet's plane if it errs by more than this fraction of its extent (thesis 4.2.2: 2 %).
 const MAX_ERROR: f64 = 0.02;
 
 /// Points that shape a patch: the thesis takes 15 by count; here neighbours are gathered until they also cover this many
-/// times the facet's area (thesis 6.2), at most 30 of them.
+/// times the facet's area (thesis 6.2), at most 30 of them, and as long as they turn from the facet by less than 45 degrees: a patch
+/// is a height over the facet's plane, and nine strips of a cylinder would be more than half of it.
 const POINTS: usize = 15;
 const MOST_POINTS: usize = 30;
 const AREA_FACTOR: f64 = 9.0;
+const TURN_COSINE: f64 = 0.707;
+
+/// Patches of neighbouring facets differ by about this fraction of a facet's size.
+const GRAIN: f64 = 1e-4;
+/// Share by which a curvature may pass the largest turn between facets: these are taken across a third of their widths.
+const CURVED_MORE: f64 = 1.5;
 
 /// Neighbours across an edge that bends more than this (40 degrees) belong to another smooth piece.
 const CREASE_COSINE: f64 = 0.766;
@@ -50,12 +57,17 @@ pub struct FittedSurface {
     patch_of_triangle: Vec<u32>,
     tree: Bvh,
     patches: Vec<LocalPatch>,
+    grain: f64,
 }
 
 #[derive(Clone, Debug)]
 enum LocalPatch {
     Plane(Plane),
-    Bspline(BsplinePatch),
+    Bspline {
+        patch: BsplinePatch,
+        /// The largest curvature that the facets show: what a patch has beyond is made up.
+        most_curved: f64,
+    },
 }
 
 impl FittedSurface {
@@ -69,14 +81,20 @@ impl FittedSurface {
         let triangles: Vec<[Vec3; 3]> = sample.triangles.iter().map(|t| t.0.map(|v| sample.points[v as usize])).collect();
         let boxes = triangles.iter().map(|t| Aabb::around(t.iter())).collect();
         let patch_of_triangle = sample.triangles.iter().map(|t| t.1).collect();
-        Self { triangles, patch_of_triangle, tree: Bvh::new(boxes), patches }
+        let area: f64 = triangles.iter().map(|[a, b, c]| (b - a).cross(&(c - a)).norm()).sum();
+        let grain = GRAIN * (area / triangles.len().max(1) as f64).sqrt();
+        Self { triangles, patch_of_triangle, tree: Bvh::new(boxes), patches, grain }
     }
 
     pub(super) fn closest(&self, point: &Vec3) -> Foot {
         let nearest = self.nearest_triangle(point);
         match nearest.map(|t| &self.patches[self.patch_of_triangle[t as usize] as usize]) {
             Some(LocalPatch::Plane(plane)) => plane.closest(point),
-            Some(LocalPatch::Bspline(patch)) => patch.closest(point),
+            Some(LocalPatch::Bspline { patch, most_curved }) => {
+                let mut foot = patch.closest(point);
+                foot.bending *= (most_curved / foot.largest_curvature()).min(1.0);
+                foot
+            }
             None => Foot { point: *point, normal: Vec3::z(), bending: nalgebra::Matrix3::zeros() },
         }
     }
@@ -97,6 +115,11 @@ impl FittedSurface {
             }
         });
         (best.get().1 != u32::MAX).then_some(best.get().1)
+    }
+
+    /// Steps from patch to patch below this are no steps.
+    pub(super) fn grain(&self) -> f64 {
+        self.grain
     }
 
     /// How many facets fell back to their plane, and how many there are.
@@ -149,6 +172,8 @@ struct Sample {
     /// Triangles of each facet of the leaf.
     facets: Vec<Vec<u32>>,
     neighbours: HashMap<[u32; 2], Vec<u32>>,
+    /// Triangles at each vertex.
+    around: Vec<Vec<u32>>,
 }
 
 impl Sample {
@@ -159,6 +184,7 @@ impl Sample {
             triangles: Vec::new(),
             facets: Vec::new(),
             neighbours: HashMap::new(),
+            around: Vec::new(),
         };
         let mut slot_of_point: HashMap<[u64; 3], u32> = HashMap::new();
         let mut slot_of_facet: BTreeMap<(LeafId, u32), u32> = BTreeMap::new();
@@ -193,11 +219,12 @@ impl Sample {
             }
         }
         sample.facets = vec![Vec::new(); slot_of_facet.len()];
+        sample.around = vec![Vec::new(); sample.points.len()];
         for (t, (corners, facet)) in sample.triangles.iter().enumerate() {
             sample.facets[*facet as usize].push(t as u32);
-            for k in 0..3 {
-                let (a, b) = (corners[k], corners[(k + 1) % 3]);
-                sample.neighbours.entry([a.min(b), a.max(b)]).or_default().push(t as u32);
+            corners.iter().for_each(|&v| sample.around[v as usize].push(t as u32));
+            for edge in edges_of(*corners) {
+                sample.neighbours.entry(edge).or_default().push(t as u32);
             }
         }
         sample
@@ -215,19 +242,23 @@ impl Sample {
             facet.iter().flat_map(|&t| self.triangles[t as usize].0).map(|v| self.points[v as usize]).collect();
         let center = corners.iter().sum::<Vec3>() / corners.len() as f64;
         let plane = Plane::new(center, normal).unwrap_or(Plane { origin: center, normal: Vec3::z() });
-        let points = self.neighbourhood(facet, normal.norm());
+        let (points, most_curved) = self.neighbourhood(facet, &normal);
         let size = Aabb::around(points.iter()).diagonal();
         match BsplinePatch::fit(plane, &points, Energy::ThinPlate) {
-            Some(patch) if points.len() > 3 && patch.error() <= MAX_ERROR * size => LocalPatch::Bspline(patch),
+            Some(patch) if points.len() > 3 && patch.error() <= MAX_ERROR * size => {
+                LocalPatch::Bspline { patch, most_curved: CURVED_MORE * most_curved }
+            }
             _ => LocalPatch::Plane(plane),
         }
     }
 
-    /// Vertices around a facet, ring by ring over smooth edges, until there are enough of them and they cover enough area.
-    fn neighbourhood(&self, facet: &[u32], own_area: f64) -> Vec<Vec3> {
+    /// Points around a facet and the largest curvature there: vertices ring by ring over smooth edges, until there are enough of them
+    /// and they cover enough area, and the middles of the curved edges between them.
+    fn neighbourhood(&self, facet: &[u32], own: &Vec3) -> (Vec<Vec3>, f64) {
         let mut triangles: Vec<u32> = facet.to_vec();
-        let mut seen: std::collections::HashSet<u32> = facet.iter().copied().collect();
+        let mut seen: HashSet<u32> = facet.iter().copied().collect();
         let mut vertices: Vec<u32> = Vec::new();
+        let mut edges: Vec<[u32; 2]> = Vec::new();
         let (mut next, mut area) = (0, 0.0);
         while next < triangles.len() {
             let t = triangles[next];
@@ -236,26 +267,87 @@ impl Sample {
             vertices.extend(corners.iter().filter(|v| !vertices.contains(v)).copied().collect::<Vec<_>>());
             area += normal.norm();
             next += 1;
-            let is_enough = vertices.len() >= POINTS && area >= AREA_FACTOR * own_area;
+            edges.extend(edges_of(corners));
+            let is_enough = vertices.len() >= POINTS && area >= AREA_FACTOR * own.norm();
             if next >= facet.len() && (is_enough || vertices.len() >= MOST_POINTS) {
                 break;
             }
-            for k in 0..3 {
-                let (a, b) = (corners[k], corners[(k + 1) % 3]);
-                let around = self.neighbours.get(&[a.min(b), a.max(b)]).map_or(&[][..], |n| n);
-                for &n in around {
+            for edge in edges_of(corners) {
+                for &n in &self.neighbours[&edge] {
                     let other = self.area_vector(n);
-                    let is_smooth = other.dot(&normal) >= CREASE_COSINE * other.norm() * normal.norm();
+                    let is_smooth = is_within(&other, &normal, CREASE_COSINE) && is_within(&other, own, TURN_COSINE);
                     if is_smooth && seen.insert(n) {
                         triangles.push(n);
                     }
                 }
             }
         }
+        edges.sort_unstable();
+        edges.dedup();
+        let most_curved = edges.iter().map(|&e| self.turn(e)).fold(0.0, f64::max);
         let on_surface: Vec<u32> = vertices.iter().copied().filter(|&v| !self.is_cut[v as usize]).collect();
         let chosen = if on_surface.len() >= POINTS.min(6) { on_surface } else { vertices };
-        chosen.iter().map(|&v| self.points[v as usize]).collect()
+        let middles = edges.iter().filter_map(|&e| self.middle(e));
+        (chosen.iter().map(|&v| self.points[v as usize]).chain(middles).collect(), most_curved)
     }
+
+    /// Curvature across an edge between two facets: the sine of their angle over the distance of their centres from the edge.
+    fn turn(&self, edge: [u32; 2]) -> f64 {
+        let [a, b] = edge.map(|v| self.points[v as usize]);
+        let [t, u] = self.neighbours[&edge][..] else { return 0.0 };
+        let (m, n) = (self.area_vector(t), self.area_vector(u));
+        if !is_within(&m, &n, CREASE_COSINE) {
+            return 0.0;
+        }
+        // A third of the height of each triangle: two thirds of its area over the edge's length.
+        let across = (m.norm() + n.norm()) * 2.0 / 3.0 / (b - a).norm();
+        m.cross(&n).norm() / (m.norm() * n.norm() * across)
+    }
+
+    /// Where the surface passes the middle of an edge: that of a cubic curve with the tangents that the facets around its ends show
+    /// (Vlachos and others, *Curved PN triangles*, 2001). None inside a facet, whose edges are chords, and where an intersection made
+    /// an end.
+    fn middle(&self, edge: [u32; 2]) -> Option<Vec3> {
+        let beside = &self.neighbours[&edge];
+        let is_inner = matches!(beside[..], [t, u] if self.triangles[t as usize].1 == self.triangles[u as usize].1);
+        if is_inner || edge.iter().any(|&v| self.is_cut[v as usize]) {
+            return None;
+        }
+        let mean: Vec3 = beside.iter().map(|&t| self.area_vector(t)).sum();
+        let [a, b] = edge.map(|v| self.points[v as usize]);
+        let [m, n] = [self.normal_at(edge[0], &mean)?, self.normal_at(edge[1], &mean)?];
+        let d = b - a;
+        Some((a + b) * 0.5 - (m * d.dot(&m) - n * d.dot(&n)) / 8.0)
+    }
+
+    /// Normal at a vertex of the facets that face about the same way, by their angles.
+    fn normal_at(&self, vertex: u32, way: &Vec3) -> Option<Vec3> {
+        let around = self.around[vertex as usize].iter().copied();
+        let sum: Vec3 = around
+            .map(|t| (t, self.area_vector(t)))
+            .filter(|(_, n)| is_within(n, way, CREASE_COSINE))
+            .filter_map(|(t, n)| Some(n.try_normalize(0.0)? * self.angle_at(vertex, t)))
+            .sum();
+        sum.try_normalize(0.0)
+    }
+
+    fn angle_at(&self, vertex: u32, triangle: u32) -> f64 {
+        let at = self.points[vertex as usize];
+        let others = self.triangles[triangle as usize].0.into_iter().filter(|&v| v != vertex);
+        let mut ways = others.map(|v| self.points[v as usize] - at);
+        let (Some(u), Some(v)) = (ways.next(), ways.next()) else { return 0.0 };
+        libm::atan2(u.cross(&v).norm(), u.dot(&v))
+    }
+}
+
+/// Edges of a triangle, smaller end first.
+fn edges_of([a, b, c]: [u32; 3]) -> [[u32; 2]; 3] {
+    [[a.min(b), a.max(b)], [b.min(c), b.max(c)], [c.min(a), c.max(a)]]
+}
+
+/// Whether the angle between two vectors has at least this cosine.
+fn is_within(a: &Vec3, b: &Vec3, cosine: f64) -> bool {
+    a.dot(b) >= cosine * a.norm() * b.norm()
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Planes: the support of planar facets, and of what no patch fits.
 
-use super::support::Foot;
+use super::support::{Foot, Nearest};
 use crate::geom::Vec3;
 use nalgebra::Matrix3;
 
@@ -22,12 +22,18 @@ impl Plane {
 
     /// The closest point. On an axis-parallel plane its third coordinate is the plane's, bit by bit.
     pub fn closest(&self, point: &Vec3) -> Foot {
+        let Nearest { point, normal, .. } = self.nearest(point);
+        Foot { point, normal, bending: Matrix3::zeros() }
+    }
+
+    /// The closest point.
+    pub(super) fn nearest(&self, point: &Vec3) -> Nearest {
         let axis = self.normal.iamax();
         let mut foot = point - self.normal * self.height(point);
         if self.normal[axis].abs() == 1.0 {
             foot[axis] = self.origin[axis];
         }
-        Foot { point: foot, normal: self.normal, bending: Matrix3::zeros() }
+        Nearest { point: foot, normal: self.normal, curvature: 0.0 }
     }
 
     /// Signed distance of a point, positive on the side of the normal.

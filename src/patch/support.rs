@@ -26,6 +26,14 @@ impl Foot {
         if square > 0.0 { (tangent.transpose() * self.bending * tangent)[0] / square } else { 0.0 }
     }
 
+    /// The principal curvatures alone, the larger magnitude first.
+    pub fn principal_values(&self) -> [f64; 2] {
+        // The eigenvalues besides the zero along the normal, from trace and sum of squares.
+        let (mean, squares) = (self.bending.trace() * 0.5, self.bending.norm_squared());
+        let radius = (squares * 0.5 - mean * mean).max(0.0).sqrt().copysign(mean);
+        [mean + radius, mean - radius]
+    }
+
     /// The principal curvatures with their directions, the larger magnitude first. (Eigenvalues of the second fundamental
     /// form in the tangent plane.)
     pub fn principal(&self) -> [(f64, Vec3); 2] {
@@ -43,14 +51,29 @@ impl Foot {
 
     /// The magnitude of the larger principal curvature.
     pub fn largest_curvature(&self) -> f64 {
-        // The eigenvalues besides the zero along the normal, from trace and sum of squares.
-        let (mean, squares) = (self.bending.trace() * 0.5, self.bending.norm_squared());
-        mean.abs() + (squares * 0.5 - mean * mean).max(0.0).sqrt()
+        self.principal_values()[0].abs()
     }
 
     /// Average of the principal curvatures (thesis 4.2.2, note i).
     pub fn mean_curvature(&self) -> f64 {
         self.bending.trace() * 0.5
+    }
+}
+
+/// A point of a surface without what the second-order neighbourhood costs.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Nearest {
+    /// The point.
+    pub point: Vec3,
+    /// Unit normal, as that of the [`Foot`].
+    pub normal: Vec3,
+    /// Magnitude of the larger principal curvature.
+    pub curvature: f64,
+}
+
+impl From<Foot> for Nearest {
+    fn from(foot: Foot) -> Self {
+        Self { point: foot.point, normal: foot.normal, curvature: foot.largest_curvature() }
     }
 }
 
@@ -100,9 +123,27 @@ impl Support {
         }
     }
 
+    /// The closest point as [`Support::closest`] gives it, up to rounding; a third of its cost on the commonest surfaces.
+    pub fn nearest(&self, point: &Vec3) -> Nearest {
+        match self {
+            Self::Plane(s) => s.nearest(point),
+            Self::Cone(s) => s.nearest(point),
+            Self::Ellipsoid(s) => s.nearest(point),
+            Self::Torus(_) | Self::Image(_) | Self::Fitted(_) => self.closest(point).into(),
+        }
+    }
+
     /// Distance of a point to the surface.
     pub fn distance(&self, point: &Vec3) -> f64 {
-        (self.closest(point).point - point).norm()
+        (self.nearest(point).point - point).norm()
+    }
+
+    /// What counts as no distance: patches of neighbouring facets differ by that.
+    pub fn grain(&self) -> f64 {
+        match self {
+            Self::Fitted(s) => s.grain(),
+            _ => 0.0,
+        }
     }
 
     /// Whether it is flat.

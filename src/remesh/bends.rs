@@ -7,6 +7,7 @@
 
 use super::operators::Effect;
 use super::quality::cosine_of_degrees;
+use super::ring::Ring;
 use super::straight::is_straight;
 use super::workpiece::{Measure, Place, Workpiece};
 use crate::brep::store::{EdgeId, FinId};
@@ -130,6 +131,9 @@ impl Workpiece {
     }
 
     fn area(&self, facet: FacetId) -> Vec3 {
+        if let Some([a, b, c]) = self.corners(facet).map(|t| self.points(t)) {
+            return (b - a).cross(&(c - a));
+        }
         let corners = self.brep.triangles(facet).map(|t| t.map(|v| self.point(v)));
         corners.map(|[a, b, c]| (b - a).cross(&(c - a))).sum()
     }
@@ -150,13 +154,22 @@ impl Workpiece {
         vertices.dedup();
         let mut best: Option<(Rank, VertexId, Vec3)> = None;
         for vertex in vertices {
-            let star = self.star(vertex);
-            let before = self.worst_at(vertex, &star);
-            let weak = self.weak_around(&star, aim);
             let feet = self.feet(vertex, edge).into_iter().map(|to| (false, to));
             let slides = if aim.is_forced { self.slides(vertex) } else { Vec::new() };
-            for (is_slide, to) in feet.chain(slides.into_iter().map(|to| (true, to))) {
-                let Some(after) = self.bent(vertex, &star, before, &to, aim) else { continue };
+            let places: Vec<_> = feet.chain(slides.into_iter().map(|to| (true, to))).collect();
+            if places.is_empty() {
+                continue;
+            }
+            let ring = self.ring(vertex);
+            let places = places.into_iter();
+            let allowed: Vec<_> =
+                places.filter_map(|(is_slide, to)| Some((is_slide, to, self.bent(vertex, &ring, &to, aim)?))).collect();
+            if allowed.is_empty() {
+                continue;
+            }
+            let star: Vec<FacetId> = ring.facets().collect();
+            let weak = self.weak_around(&star, aim);
+            for (is_slide, to, after) in allowed {
                 let from = std::mem::replace(&mut self.brep.vertices[vertex].point, to);
                 let mended = weak.saturating_sub(self.weak_around(&star, aim));
                 self.brep.vertices[vertex].point = from;
@@ -172,26 +185,26 @@ impl Workpiece {
     }
 
     /// What the triangles around a vertex become if it moves there; `None` if that is not allowed.
-    fn bent(&self, vertex: VertexId, star: &[FacetId], before: Measure, to: &Vec3, aim: Aim) -> Option<Measure> {
+    fn bent(&self, vertex: VertexId, ring: &Ring, to: &Vec3, aim: Aim) -> Option<Measure> {
+        let before = ring.before;
         let floor = if aim.is_forced { 1.0 } else { before.cosine.max(cosine_of_degrees(FLAT_KEEPS)) };
-        let Effect { after, .. } = self.plan_move(vertex, star, before, to, floor)?;
         let allowed = before.excess.max(1.0) * self.bound.slack();
-        let is_near = after.excess <= allowed && star.iter().all(|&f| self.sampled_excess(f, vertex, to) <= allowed);
+        let Effect { after, .. } = ring.plan(to, floor, allowed)?;
+        let is_near = ring.facets().all(|f| self.is_sampled_within(f, vertex, to, allowed));
         (is_near && !after.is_flipped).then_some(after)
     }
 
-    /// Deviation of a triangle with one corner elsewhere, as a fraction of the bound, at a grid of points.
-    fn sampled_excess(&self, facet: FacetId, vertex: VertexId, to: &Vec3) -> f64 {
-        let (Some(corners), Some(support)) = (self.corners(facet), self.support(facet)) else { return 0.0 };
+    /// Whether a triangle with one corner elsewhere deviates by at most `allowed` times the bound at a grid of points.
+    fn is_sampled_within(&self, facet: FacetId, vertex: VertexId, to: &Vec3, allowed: f64) -> bool {
+        let (Some(corners), Some(support)) = (self.corners(facet), self.support(facet)) else { return true };
         let [a, b, c] = corners.map(|v| if v == vertex { *to } else { self.point(v) });
         let grid =
             (0..=SAMPLES).flat_map(|i| (0..=SAMPLES - i).map(move |j| [i, j].map(|k| f64::from(k) / f64::from(SAMPLES))));
-        let points = grid.map(|[s, t]| a * s + b * t + c * (1.0 - s - t));
-        let excess = points.map(|p| {
-            let foot = support.closest(&p);
-            (foot.point - p).norm() / (self.bound.at(&foot) * self.share(facet))
-        });
-        excess.fold(0.0, f64::max)
+        let mut points = grid.map(|[s, t]| a * s + b * t + c * (1.0 - s - t));
+        points.all(|p| {
+            let foot = support.nearest(&p);
+            (foot.point - p).norm() <= allowed * self.bound.along(foot.curvature) * self.share(facet)
+        })
     }
 
     /// Places of a vertex in the planes of those facets at an edge that it is not a corner of: the feet, or, on a curve, where the
@@ -225,7 +238,7 @@ impl Workpiece {
     /// Places near a vertex on its curve or surface.
     fn slides(&self, vertex: VertexId) -> Vec<Vec3> {
         let here = self.point(vertex);
-        let Some(directions) = self.directions(vertex, &here) else { return Vec::new() };
+        let Some(directions) = self.directions(self.place(vertex), &here) else { return Vec::new() };
         let shortest = self.brep.topology.neighbours(vertex).map(|n| (self.point(n) - here).norm());
         let shortest = shortest.fold(f64::INFINITY, f64::min);
         let steps = SLIDES.iter().flat_map(|s| directions.iter().map(move |d| here + d * (s * shortest)));

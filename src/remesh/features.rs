@@ -117,7 +117,8 @@ impl Workpiece {
         }
         let points: Vec<Vec3> = chain.iter().map(|&v| self.point(v)).collect();
         let supports = self.crossing_supports(edge, &points);
-        let curve = self.curves.push(Curve::of_chain(&points, &supports));
+        let is_cut = chain.iter().any(|&v| self.brep.vertices[v].freedom == Freedom::Intersection);
+        let curve = self.curves.push(Curve::of_chain(&points, &supports, is_cut));
         self.enter_chain(&chain, curve, is_closed);
     }
 
@@ -153,7 +154,7 @@ impl Workpiece {
         for facet in self.brep.topology.facets_around(edge) {
             let Some(support) = self.support_or_plane(facet) else { continue };
             let crosses = |other: &Arc<Support>| {
-                let sine = |p: &Vec3| support.closest(p).normal.cross(&other.closest(p).normal).norm();
+                let sine = |p: &Vec3| support.nearest(p).normal.cross(&other.nearest(p).normal).norm();
                 chain.iter().map(sine).fold(0.0, f64::max) > PARALLEL_SINE
             };
             if kept.iter().all(crosses) {

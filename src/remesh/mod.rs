@@ -42,11 +42,13 @@ mod bands;
 mod bends;
 mod creases;
 mod features;
+mod history;
 mod operators;
 mod pieces;
 mod polygons;
 mod quality;
 mod relocate;
+mod ring;
 mod schedule;
 mod sizing;
 mod straight;
@@ -63,6 +65,7 @@ use crate::patch::fit::supports_of;
 use crate::patch::support::Support;
 use crate::scene::model::{Part, RemeshMode, RemeshOptions};
 use bands::Choice;
+use history::History;
 use sizing::{Bound, Limits};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -169,8 +172,8 @@ impl Workpiece {
             shares,
             choice,
             obtuse: 0.0,
-            changed: Vec::new(),
-            is_still: Vec::new(),
+            measures: Vec::new(),
+            history: History::default(),
         })
     }
 
@@ -221,7 +224,7 @@ impl Workpiece {
         for [a, b, c] in self.brep.triangles(facet).map(|t| t.map(|v| self.point(v))) {
             let normal: Vec3 = (b - a).cross(&(c - a));
             if normal.norm() > largest.0 {
-                let along = normal.dot(&support.closest(&((a + b + c) / 3.0)).normal);
+                let along = normal.dot(&support.nearest(&((a + b + c) / 3.0)).normal);
                 largest = (normal.norm(), if along < 0.0 { -1.0 } else { 1.0 });
             }
         }

@@ -5,7 +5,7 @@
 
 use super::bands::STRAIGHT;
 use super::polygons::Change;
-use super::quality::sharpest_cosine;
+use super::quality::{is_sharper, sharpest_cosine};
 use super::workpiece::{CurveId, Measure, Place, Workpiece, sorted};
 use crate::brep::complex::ComplexVertex;
 use crate::brep::local::{Collapse, Swap, Touched};
@@ -17,7 +17,7 @@ use crate::primitive::solid::Freedom;
 
 /// Least gain, in the cosine of the smallest angle (a quarter of a degree), for which an angle is raised: without it, a patch would
 /// creep towards its best shape in endless tiny steps.
-const LEAST_GAIN: f64 = 3e-3;
+pub(super) const LEAST_GAIN: f64 = 3e-3;
 
 /// What an operation would do to quality.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -44,6 +44,12 @@ impl Workpiece {
     /// Splits an edge in the middle, on its true curve or surface if it can, and says what was touched; `None` if it would
     /// harm a polygon or flip a triangle.
     pub fn split(&mut self, edge: EdgeId) -> Option<Touched> {
+        let (place, at) = self.site_of_split(edge)?;
+        self.split_at(edge, place, at)
+    }
+
+    /// Kind and place of the vertex that would split an edge.
+    pub fn site_of_split(&mut self, edge: EdgeId) -> Option<(Place, Vec3)> {
         let ends = self.brep.topology.ends(edge);
         let [a, b] = ends.map(|v| self.point(v));
         let middle = (a + b) * 0.5;
@@ -56,16 +62,12 @@ impl Workpiece {
             Some(strip) => Some(self.ruling_of(edge, strip)?),
             None => self.curve_of(edge),
         };
-        let is_feature = self.brep.is_feature(edge);
-        let (place, freedom) = match curve {
-            Some(c) => (Place::Curve(c), Freedom::Edge),
-            None if is_feature => return None,
-            None => (Place::Surface(surface), Freedom::Surface),
+        let place = match curve {
+            Some(c) => Place::Curve(c),
+            None if self.brep.is_feature(edge) => return None,
+            None => Place::Surface(surface),
         };
-        let home = match curve {
-            Some(c) => self.curves[c].closest(&middle).map(|f| f.point),
-            None => self.supports[surface].as_ref().map(|s| s.closest(&middle).point),
-        };
+        let home = self.home_of(place, &middle);
         let allowed = |at: &Vec3| {
             treated.iter().all(|&f| self.split_keeps_sense(f, ends, at))
                 && around
@@ -73,7 +75,15 @@ impl Workpiece {
                     .filter(|f| !treated.contains(f))
                     .all(|&f| self.polygon_stays_simple(f, Change::Insert { ends, at: *at }))
         };
-        let at = home.into_iter().chain([middle]).find(|at| *at != a && *at != b && allowed(at))?;
+        let at = [home, middle].into_iter().find(|at| *at != a && *at != b && allowed(at))?;
+        Some((place, at))
+    }
+
+    /// Splits an edge at such a site.
+    pub fn split_at(&mut self, edge: EdgeId, place: Place, at: Vec3) -> Option<Touched> {
+        let freedom = if matches!(place, Place::Curve(_)) { Freedom::Edge } else { Freedom::Surface };
+        let ends = self.brep.topology.ends(edge);
+        let treated: Vec<FacetId> = self.brep.topology.facets_around(edge).filter(|&f| self.is_treated(f)).collect();
         let senses: Vec<f64> = treated.iter().map(|f| self.sense[f.index()]).collect();
         let sources: Vec<_> = treated.iter().map(|&f| self.brep.facets[f].surface).collect();
         let flags = &self.is_treated;
@@ -117,7 +127,7 @@ impl Workpiece {
         let before = self.measure_facet(facet);
         [a, b].iter().all(|gone| {
             let piece = corners.map(|v| if v == *gone { *at } else { self.point(v) });
-            let after = self.measure(facet, piece);
+            let after = self.measure(facet, &piece);
             !after.is_flipped || before.is_flipped
         })
     }
@@ -129,28 +139,32 @@ impl Workpiece {
     /// small that its cosine passes `limit`.
     pub fn plan_collapse(&self, edge: EdgeId, gone: VertexId, limit: f64) -> Option<(Collapse, Effect)> {
         let kept = self.brep.topology.other_end(edge, gone);
-        let is_feature = self.brep.is_feature(edge);
         match self.place(gone) {
             Place::Corner => return None,
-            Place::Curve(_) if !is_feature => return None,
-            Place::Curve(_) if !self.is_active(edge) => return None,
+            Place::Curve(_) if !self.brep.is_feature(edge) || !self.is_active(edge) => return None,
             _ => {}
         }
-        let plan = self.brep.plan_collapse(edge, gone).ok()?;
         let at = self.point(kept);
-        // Shapes first: they cost a tenth of a look at the supports.
-        for &facet in plan.changed.iter().filter(|&&f| self.is_treated(f)) {
-            let [a, b, c] = self.corners(facet)?.map(|v| if v == gone { at } else { self.point(v) });
-            if sharpest_cosine([&a, &b, &c], self.obtuse) > limit {
-                return None;
+        let moved = |t: [VertexId; 3]| {
+            let point = |v| if v == gone { at } else { self.point(v) };
+            [point(t[0]), point(t[1]), point(t[2])]
+        };
+        // Shapes first: they cost a tenth of what topology and supports do.
+        for facet in self.brep.topology.facets_at(gone).filter(|&f| self.is_treated(f)) {
+            let corners = self.corners(facet)?;
+            if !corners.contains(&kept) {
+                let [a, b, c] = moved(corners);
+                if is_sharper([&a, &b, &c], self.obtuse, limit) {
+                    return None;
+                }
             }
         }
+        let plan = self.brep.plan_collapse(edge, gone).ok()?;
         let mut effect = Effect { before: self.worst(&self.star(gone)), after: Measure::BEST };
         for &facet in &plan.changed {
             if self.is_treated(facet) {
-                let corners = self.corners(facet)?;
-                let moved = corners.map(|v| if v == gone { at } else { self.point(v) });
-                effect.after = effect.after.worse_of(self.measure(facet, moved));
+                let corners = moved(self.corners(facet)?);
+                effect.after = effect.after.worse_of(self.measure(facet, &corners));
             } else if !self.polygon_stays_simple(facet, Change::Merge { gone, kept }) {
                 return None;
             }
@@ -191,16 +205,28 @@ impl Workpiece {
 
 /// Swap.
 impl Workpiece {
-    /// What replacing an edge by the other diagonal would do.
+    /// What replacing an edge by the other diagonal would do; `None` if topology forbids it or it helps neither shape nor deviation.
     pub fn plan_swap(&self, edge: EdgeId) -> Option<(Swap, Effect)> {
-        let plan = self.brep.plan_swap(edge).ok()?;
-        let [f, g] = plan.facets;
-        if !self.is_treated(f) || !self.is_treated(g) || self.brep.is_feature(edge) {
+        let topology = &self.brep.topology;
+        let mut ring = topology.fins_around(edge);
+        let (Some(at_f), Some(at_g), None) = (ring.next(), ring.next(), ring.next()) else { return None };
+        let [f, g] = [at_f, at_g].map(|fin| topology.facet_of(fin));
+        if !self.is_treated(f) || !self.is_treated(g) {
             return None;
         }
-        let ([a, b], [c, d]) = (plan.ends.map(|v| self.point(v)), plan.opposite.map(|v| self.point(v)));
         let before = self.measure_facet(f).worse_of(self.measure_facet(g));
-        let after = self.measure(f, [c, d, b]).worse_of(self.measure(f, [d, c, a]));
+        let [a, b] = topology.fin_ends(at_f).map(|v| self.point(v));
+        let [c, d] = [at_f, at_g].map(|fin| self.point(topology.fin_ends(topology.prev_fin(fin))[0]));
+        // Shapes first: they cost a tenth of what topology and supports do.
+        if !before.is_flipped && before.excess <= 1.0 {
+            let limit = before.cosine - LEAST_GAIN;
+            let is_poor = |[p, q, r]: [&Vec3; 3]| sharpest_cosine([p, q, r], self.obtuse) >= limit;
+            if is_poor([&c, &d, &b]) || is_poor([&d, &c, &a]) {
+                return None;
+            }
+        }
+        let plan = self.brep.plan_swap(edge).ok()?;
+        let after = self.measure(f, &[c, d, b]).worse_of(self.measure(f, &[d, c, a]));
         Some((plan, Effect { before, after }))
     }
 
@@ -219,46 +245,6 @@ impl Workpiece {
 
 /// Relocate.
 impl Workpiece {
-    /// What moving a vertex would do; `None` if polygons forbid it or an angle gets so small that its cosine passes `limit`.
-    pub fn plan_move(&self, vertex: VertexId, star: &[FacetId], before: Measure, to: &Vec3, limit: f64) -> Option<Effect> {
-        let moved = |facet| self.corners(facet).map(|t| t.map(|v| if v == vertex { *to } else { self.point(v) }));
-        // Shapes first: they cost a tenth of a look at the supports.
-        for &facet in star {
-            let [a, b, c] = moved(facet)?;
-            if sharpest_cosine([&a, &b, &c], self.obtuse) > limit {
-                return None;
-            }
-        }
-        let mut after = Measure::BEST;
-        for &facet in star {
-            after = after.worse_of(self.measure_moved(facet, vertex, to)?);
-            if after.is_flipped && !before.is_flipped {
-                return None;
-            }
-        }
-        if let Place::Curve(c) = self.place(vertex) {
-            for edge in self.brep.topology.edges_at(vertex).filter(|&e| self.brep.is_feature(e)) {
-                let other = self.point(self.brep.topology.other_end(edge, vertex));
-                after.excess = after.excess.max(self.curve_excess(c, &other, to));
-            }
-        }
-        let polygons = self.polygons_at(vertex);
-        let is_clear = polygons.iter().all(|&f| self.polygon_stays_simple(f, Change::Move { vertex, to: *to }));
-        is_clear.then_some(Effect { before, after })
-    }
-
-    /// The worst triangle of a vertex's star, its feature edges included.
-    pub fn worst_at(&self, vertex: VertexId, star: &[FacetId]) -> Measure {
-        let mut worst = self.worst(star);
-        if let Place::Curve(c) = self.place(vertex) {
-            for edge in self.brep.topology.edges_at(vertex).filter(|&e| self.brep.is_feature(e)) {
-                let other = self.point(self.brep.topology.other_end(edge, vertex));
-                worst.excess = worst.excess.max(self.curve_excess(c, &other, &self.point(vertex)));
-            }
-        }
-        worst
-    }
-
     /// Moves a vertex.
     pub fn relocate(&mut self, vertex: VertexId, to: Vec3) {
         self.brep.vertices[vertex].point = to;

@@ -11,10 +11,7 @@ const OBTUSE_BASE: f64 = 0.74;
 /// `OBTUSE_BASE - obtuse * cosine of the largest angle` is given.
 /// Angles are compared by their cosines, so that no comparison needs trigonometry.
 pub fn sharpest_cosine([a, b, c]: [&Vec3; 3], obtuse: f64) -> f64 {
-    let mut squares = [(b - a).norm_squared(), (c - b).norm_squared(), (a - c).norm_squared()];
-    squares.sort_unstable_by(f64::total_cmp);
-    // The smallest angle is opposite to the shortest edge, the largest to the longest.
-    let [short, middle, long] = squares;
+    let [short, middle, long] = sorted_squares([a, b, c]);
     if short == 0.0 {
         return 1.0;
     }
@@ -27,9 +24,31 @@ pub fn sharpest_cosine([a, b, c]: [&Vec3; 3], obtuse: f64) -> f64 {
 }
 
 /// Whether the smallest angle of a triangle has a smaller sine, for sines near zero.
-pub fn is_needle([a, b, c]: &[Vec3; 3], sine: f64) -> bool {
-    let longest = [b - a, c - b, a - c].iter().map(Vec3::norm_squared).fold(0.0, f64::max);
-    (b - a).cross(&(c - a)).norm() <= sine * longest
+#[inline]
+pub fn is_needle([a, b, c]: [&Vec3; 3], sine: f64) -> bool {
+    (b - a).cross(&(c - a)).norm() <= sine * sorted_squares([a, b, c])[2]
+}
+
+/// Whether [`sharpest_cosine`] is above a limit of at least 0.5, up to rounding; without roots and divisions.
+#[inline]
+pub fn is_sharper(corners: [&Vec3; 3], obtuse: f64, limit: f64) -> bool {
+    let [short, middle, long] = sorted_squares(corners);
+    let least = (middle + long - short) * 0.5;
+    if short == 0.0 || least * least > limit * limit * middle * long {
+        return true;
+    }
+    // Largest angle: its cosine times `obtuse` against OBTUSE_BASE - limit, both with their signs.
+    let greatest = (short + middle - long) * 0.5 * obtuse;
+    let needed = OBTUSE_BASE - limit;
+    obtuse > 0.0 && greatest * greatest.abs() < needed * needed.abs() * short * middle
+}
+
+/// Squares of a triangle's edges, shortest first. The smallest angle is opposite to the shortest, the largest to the longest.
+#[inline]
+fn sorted_squares([a, b, c]: [&Vec3; 3]) -> [f64; 3] {
+    let (p, q, r) = ((b - a).norm_squared(), (c - b).norm_squared(), (a - c).norm_squared());
+    let (low, high) = (p.min(q), p.max(q));
+    [low.min(r), low.max(high.min(r)), high.max(r)]
 }
 
 /// Cosine of an angle given in degrees.
@@ -48,6 +67,10 @@ mod tests {
         let top = Vec3::new(0.5, 0.75f64.sqrt(), 0.0);
         assert!((sharpest_cosine([&o, &x, &top], 0.0) - 0.5).abs() < 1e-15);
         assert_eq!(sharpest_cosine([&o, &o, &x], 0.0), 1.0);
+        for (apex, obtuse) in [(top, 0.0), (top, 0.25), (Vec3::new(0.5, 0.1, 0.0), 0.0), (Vec3::new(0.5, 0.1, 0.0), 0.25)] {
+            let cosine = sharpest_cosine([&o, &x, &apex], obtuse);
+            assert!(is_sharper([&o, &x, &apex], obtuse, cosine - 1e-9) && !is_sharper([&o, &x, &apex], obtuse, cosine + 1e-9));
+        }
         assert!((cosine_of_degrees(60.0) - 0.5).abs() < 1e-15);
     }
 }

@@ -1,12 +1,11 @@
 //! Where vertices go.
 
-use super::operators::Effect;
-use super::quality::{cosine_of_degrees, sharpest_cosine};
+use super::quality::cosine_of_degrees;
 use super::workpiece::{Place, Workpiece};
 use crate::geom::Vec3;
-use crate::ids::{FacetId, Id, VertexId};
+use crate::ids::{Id, VertexId};
 use crate::patch::curve::project_on_all;
-use crate::patch::support::{Support, any_normal_to};
+use crate::patch::support::any_normal_to;
 
 /// What a vertex is to move towards.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -30,11 +29,6 @@ const AT_HOME: f64 = 1e-6;
 /// Volume of three unit normals (sine for two) above which their surfaces meet in a point (a curve).
 const INDEPENDENT: f64 = 0.05;
 
-/// A step of the search is dropped before it is projected if its cosine is worse by more than this: projection changes less.
-const NEAR_HOME: f64 = 0.01;
-/// Steps of the pattern search for the best place.
-const SEARCH_STEPS: usize = 6;
-
 impl Workpiece {
     /// Moves a vertex towards its aim as far as that is legal; whether it moved.
     pub fn relocate_towards(&mut self, vertex: VertexId, aim: Aim) -> bool {
@@ -44,23 +38,20 @@ impl Workpiece {
             Aim::Middle => self.middle(vertex),
         };
         let Some(target) = target.filter(|t| (t - from).norm_squared() > 0.0) else { return false };
-        let star = self.star(vertex);
-        let before = self.worst_at(vertex, &star);
-        let floor = cosine_of_degrees(if aim == Aim::Home { SQUEEZED } else { FINE });
-        for share in SHARES {
-            let step = from + (target - from) * share;
-            let to = if aim == Aim::Home { step } else { self.home(vertex, &step) };
-            let Some(effect) = self.plan_move(vertex, &star, before, &to, before.cosine.max(floor)) else { continue };
-            let is_good = match aim {
-                Aim::Home => !effect.after.is_flipped || before.is_flipped,
-                Aim::Middle => effect.is_legal(),
-            };
-            if is_good {
-                self.relocate(vertex, to);
-                return true;
-            }
-        }
-        false
+        let ring = self.ring(vertex);
+        let before = ring.before;
+        let (floor, excess) = match aim {
+            Aim::Home => (SQUEEZED, f64::INFINITY),
+            Aim::Middle => (FINE, before.excess.max(1.0)),
+        };
+        let limit = before.cosine.max(cosine_of_degrees(floor));
+        let places = SHARES.iter().map(|share| from + (target - from) * *share);
+        let mut places = places.map(|step| if aim == Aim::Home { step } else { self.home(vertex, &step) });
+        let is_good = |to: &Vec3| ring.plan(to, limit, excess).is_some_and(|e| aim == Aim::Home || e.is_legal());
+        let Some(to) = places.find(is_good) else { return false };
+        drop(ring);
+        self.relocate(vertex, to);
+        true
     }
 
     /// Where a vertex ought to be; `None` if it may not move. Corners made by an intersection of facets, off the
@@ -76,11 +67,8 @@ impl Workpiece {
         let (mut supports, mut is_home) = (Vec::new(), true);
         for facet in self.brep.topology.facets_at(vertex) {
             let support = self.support_or_plane(facet)?;
-            if matches!(*support, Support::Fitted(_)) {
-                return None;
-            }
-            let foot = support.closest(&point);
-            is_home &= (foot.point - point).norm() <= AT_HOME * self.bound.at(&foot);
+            let foot = support.nearest(&point);
+            is_home &= (foot.point - point).norm() <= AT_HOME * self.bound.along(foot.curvature);
             supports.push((support, foot.normal));
         }
         if is_home {
@@ -130,57 +118,16 @@ impl Workpiece {
         (weights > 0.0).then(|| self.home(vertex, &(sum / weights)))
     }
 
-    /// The place near a vertex where the smallest angle around it is largest, by pattern search along its curve or in its
-    /// tangent plane; `None` if nothing is better than here.
-    pub fn best_place(&self, vertex: VertexId) -> Option<(Vec3, Effect)> {
-        let here = self.point(vertex);
-        let directions = self.directions(vertex, &here)?;
-        let star = self.star(vertex);
-        let before = self.worst_at(vertex, &star);
-        let shortest = self.brep.topology.neighbours(vertex).map(|n| (self.point(n) - here).norm());
-        let mut step = 0.4 * shortest.fold(f64::INFINITY, f64::min);
-        let mut best = (here, Effect { before, after: before });
-        for _ in 0..SEARCH_STEPS {
-            let mut found = None;
-            for d in &directions {
-                let least = found.map_or(best.1.after.cosine, |f: (Vec3, Effect)| f.1.after.cosine);
-                let near = best.0 + d * step;
-                if self.is_sharper_around(vertex, &star, &near, least + NEAR_HOME) {
-                    continue;
-                }
-                let to = self.home(vertex, &near);
-                if let Some(effect) = self.plan_move(vertex, &star, before, &to, least)
-                    && effect.is_legal()
-                    && effect.after.cosine < least
-                {
-                    found = Some((to, effect));
-                }
-            }
-            match found {
-                Some(next) => best = next,
-                None => step *= 0.5,
-            }
-        }
-        best.1.is_better().then_some(best)
-    }
-
-    /// Whether a triangle around a vertex would have an angle with a cosine past `limit` if the vertex were elsewhere.
-    fn is_sharper_around(&self, vertex: VertexId, star: &[FacetId], to: &Vec3, limit: f64) -> bool {
-        let moved = |t: [VertexId; 3]| t.map(|v| if v == vertex { *to } else { self.point(v) });
-        let mut triangles = star.iter().filter_map(|&f| self.corners(f)).map(moved);
-        triangles.any(|[a, b, c]| sharpest_cosine([&a, &b, &c], self.obtuse) > limit)
-    }
-
-    /// Directions in which a vertex may move.
-    pub fn directions(&self, vertex: VertexId, here: &Vec3) -> Option<Vec<Vec3>> {
-        match self.place(vertex) {
+    /// Directions in which a vertex of this kind may move.
+    pub fn directions(&self, place: Place, here: &Vec3) -> Option<Vec<Vec3>> {
+        match place {
             Place::Corner => None,
             Place::Curve(c) => {
                 let tangent = self.curves[c].closest(here)?.tangent;
                 Some(vec![tangent, -tangent])
             }
             Place::Surface(s) => {
-                let normal = self.supports[s].as_ref()?.closest(here).normal;
+                let normal = self.supports[s].as_ref()?.nearest(here).normal;
                 let u = any_normal_to(&normal);
                 let v = normal.cross(&u);
                 let diagonal = std::f64::consts::FRAC_1_SQRT_2;

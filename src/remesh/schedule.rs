@@ -1,6 +1,6 @@
 //! The order of the work: a queue picks the next edge (thesis 6.2) instead of the sweeps of Table 4.1.
 
-use super::operators::Effect;
+use super::operators::{Effect, LEAST_GAIN};
 use super::quality::cosine_of_degrees;
 use super::relocate::Aim;
 use super::sizing::Limits;
@@ -83,7 +83,7 @@ impl Workpiece {
                 self.smooth();
             }
         }
-        self.obtuse = OBTUSE;
+        self.weigh_obtuse(OBTUSE);
         self.polish();
         for _ in 0..THIN_ROUNDS {
             self.thin_out();
@@ -93,9 +93,15 @@ impl Workpiece {
             }
             self.polish();
         }
-        self.obtuse = 0.0;
-        self.changed.clear();
+        self.weigh_obtuse(0.0);
         self.polish();
+    }
+
+    /// Obtuse triangles count as sharp ones from here on; all measures change.
+    fn weigh_obtuse(&mut self, weight: f64) {
+        self.obtuse = weight;
+        self.measures.iter().for_each(|m| m.set(None));
+        self.history.forget();
     }
 
     pub fn active_edges(&self) -> Vec<EdgeId> {
@@ -290,21 +296,26 @@ impl Workpiece {
         let facets: Vec<FacetId> = self.brep.topology.facets().filter(|&f| self.is_treated(f)).collect();
         let mut budget = MENDS_PER_FACET * facets.len() + 100;
         for f in facets {
-            let is_new = self.corners(f).is_some_and(|t| t.iter().any(|v| self.is_changed(*v)));
+            let is_new = self.corners(f).is_some_and(|t| t.iter().any(|&v| self.history.is_new(v)));
             if is_new {
                 self.enqueue_poor(&mut queue, f, goal);
             }
         }
-        // Ids beyond the end count as changed: vertices that are made from here on.
-        self.changed = vec![false; self.brep.topology.bounds()[0]];
-        self.is_still = vec![false; self.brep.topology.bounds()[0]];
+        self.history.start_polish();
         while let Some((facet, key)) = queue.pop() {
             let is_stale = !self.brep.topology.has_facet(facet) || !self.is_treated(facet) || self.sharpest(facet) != key;
             if is_stale || budget == 0 {
                 continue;
             }
+            if self.corners(facet).is_some_and(|t| self.history.is_hopeless(facet, t)) {
+                continue;
+            }
             budget -= 1;
-            for f in self.mend(facet) {
+            let changed = self.mend(facet);
+            if changed.is_empty() {
+                self.history.give_up(facet);
+            }
+            for f in changed {
                 if self.brep.topology.has_facet(f) && self.is_treated(f) {
                     self.enqueue_poor(&mut queue, f, goal);
                 }
@@ -321,7 +332,9 @@ impl Workpiece {
 
     /// Improves one triangle; gives the facets around if it did.
     fn mend(&mut self, facet: FacetId) -> Vec<FacetId> {
+        let Some(corners) = self.corners(facet) else { return Vec::new() };
         let edges = self.edges_of(&[facet]);
+        let sharpest = corners.map(|v| self.sharpest_at(v));
         let mut still = Vec::new();
         let mut best: Option<(f64, Mend)> = None;
         let mut consider = |effect: &Effect, what: Mend| {
@@ -334,26 +347,25 @@ impl Workpiece {
                 consider(&effect, Mend::Swap(plan));
             }
             for gone in self.brep.topology.ends(edge) {
-                if let Some((plan, effect)) = self.plan_collapse(edge, gone, self.sharpest_at(gone))
+                let limit = corners.iter().position(|&v| v == gone).map_or(0.0, |k| sharpest[k] - LEAST_GAIN);
+                if let Some((plan, effect)) = self.plan_collapse(edge, gone, limit)
                     && !self.would_stretch(plan.gone, plan.kept, LONG)
                 {
                     consider(&effect, Mend::Collapse(plan));
                 }
             }
         }
-        for vertex in self.corners(facet).into_iter().flatten() {
-            if self.is_still.get(vertex.index()) == Some(&true) {
+        for vertex in corners {
+            if self.history.is_kept(vertex) {
                 continue;
             }
-            match self.best_place(vertex) {
+            match self.ring(vertex).best_place() {
                 Some((to, effect)) => consider(&effect, Mend::Move(vertex, to)),
                 None => still.push(vertex),
             }
         }
         for vertex in still {
-            if let Some(flag) = self.is_still.get_mut(vertex.index()) {
-                *flag = true;
-            }
+            self.history.keep(vertex);
         }
         match best {
             None => self.try_split(facet),
@@ -367,28 +379,21 @@ impl Workpiece {
     }
 
     /// Splits the longest edge of a triangle if the new vertex finds a place where all triangles around are better than those
-    /// before; else takes the split back.
+    /// before.
     fn try_split(&mut self, facet: FacetId) -> Vec<FacetId> {
         let longest = self.edges_of(&[facet]).into_iter().max_by(|&a, &b| self.length(a).total_cmp(&self.length(b)));
         let Some(edge) = longest.filter(|&e| self.relative_length(e) > SHORT) else { return Vec::new() };
-        let ends = self.brep.topology.ends(edge);
+        let Some((place, at)) = self.site_of_split(edge) else { return Vec::new() };
         let around: Vec<FacetId> = self.brep.topology.facets_around(edge).filter(|&f| self.is_treated(f)).collect();
         let before = self.worst(&around);
-        let Some(vertex) = self.split(edge).and_then(|t| t.vertex) else { return Vec::new() };
-        let place = self.best_place(vertex);
-        let star = self.star(vertex);
-        let after = place.as_ref().map_or_else(|| self.worst_at(vertex, &star), |p| p.1.after);
-        if (Effect { before, after }).is_better() {
-            if let Some((to, _)) = place {
-                self.relocate(vertex, to);
-            }
-            return star;
+        let ring = self.ring_of_split(edge, place, at);
+        let (at, after) = ring.best_place().map_or((at, ring.before), |(to, effect)| (to, effect.after));
+        drop(ring);
+        if !(Effect { before, after }).is_better() {
+            return Vec::new();
         }
-        let back = self.brep.topology.edge_between(vertex, ends[1]);
-        if let Some((plan, _)) = back.and_then(|e| self.plan_collapse(e, vertex, 1.0)) {
-            self.collapse(&plan);
-        }
-        Vec::new()
+        let vertex = self.split_at(edge, place, at).and_then(|t| t.vertex);
+        vertex.map_or_else(Vec::new, |v| self.star(v))
     }
 
     /// Splits edges that are further from their curve or surface than allowed; how many.
@@ -415,8 +420,8 @@ impl Workpiece {
         let middle = (a + b) * 0.5;
         let facet = self.brep.topology.facets_around(edge).find(|&f| self.is_treated(f));
         facet.and_then(|f| self.support(f)).map_or(0.0, |s| {
-            let foot = s.closest(&middle);
-            (foot.point - middle).norm() / (self.bound.at(&foot) * facet.map_or(1.0, |f| self.share(f)))
+            let foot = s.nearest(&middle);
+            (foot.point - middle).norm() / (self.bound.along(foot.curvature) * facet.map_or(1.0, |f| self.share(f)))
         })
     }
 

@@ -53,15 +53,7 @@ pub(super) enum Bound {
 }
 
 impl Bound {
-    /// At a point of a surface.
-    pub fn at(&self, foot: &Foot) -> f64 {
-        match self {
-            Self::Fixed(d) => *d,
-            Self::ByCurvature { .. } => self.along(foot.largest_curvature()),
-        }
-    }
-
-    /// For a curvature.
+    /// For the curvature of a curve, or the largest of a surface.
     pub fn along(&self, curvature: f64) -> f64 {
         match *self {
             Self::Fixed(d) => d,
@@ -82,11 +74,11 @@ impl Bound {
         let (mut deviation, mut bending, mut weight) = (0.0, 0.0, 0.0);
         for (support, [a, b, c]) in facets {
             let area = (b - a).cross(&(c - a)).norm();
-            let foot = support.closest(&((a + b + c) / 3.0));
+            let foot = support.nearest(&((a + b + c) / 3.0));
             let middles = [(a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5];
             // The largest over the facet, not that of the barycentre alone: strips touch their cylinder at both long sides.
             deviation += area * middles.iter().map(|m| support.distance(m)).fold(0.0, f64::max);
-            bending += area * foot.largest_curvature();
+            bending += area * foot.curvature;
             weight += area;
         }
         if weight == 0.0 {
@@ -100,7 +92,7 @@ impl Bound {
 /// Edge length of equilateral triangles on a surface whose deviation is `allowed`: over an edge it is l² k1 / 8, at the centre
 /// l² (k1 + k2) / 12.
 pub(super) fn length_on(foot: &Foot, allowed: f64) -> f64 {
-    let [(k1, _), (k2, _)] = foot.principal();
+    let [k1, k2] = foot.principal_values();
     let bend = (k1.abs() / 8.0).max((k1 + k2).abs() / 12.0);
     (allowed / bend.max(f64::MIN_POSITIVE)).sqrt()
 }
@@ -207,17 +199,20 @@ impl Workpiece {
     fn length_near(&self, support: &Support, point: &Vec3, star: &[FacetId]) -> f64 {
         let length_at = |p: &Vec3| {
             let foot = support.closest(p);
-            length_on(&foot, self.bound.at(&foot))
+            length_on(&foot, self.bound.along(foot.largest_curvature()))
         };
         let here = length_at(point);
         let middle = star.iter().filter_map(|&f| self.corners(f)).flatten().map(|v| self.point(v) - point).sum::<Vec3>();
         let Some(away) = middle.try_normalize(0.0) else { return here };
         // Fixed point of length = length_at(distance length); a square root near an apex, so that few steps do.
-        let mut length = here;
-        for _ in 0..6 {
+        let mut length = length_at(&(point + away * here));
+        // Only where the size grows fast, that is at an apex. On a cone the first step tells: the square of a length grows linearly.
+        if length < 2.0 * here {
+            return here;
+        }
+        for _ in 1..6 {
             length = length_at(&(point + away * length.max(here)));
         }
-        // Only where the size grows fast, that is at an apex.
         if length > 4.0 * here { length } else { here }
     }
 

@@ -47,7 +47,7 @@ impl Workpiece {
     }
 
     fn is_poor(&self, facet: FacetId) -> bool {
-        self.corners(facet).is_some_and(|t| is_needle(&t.map(|v| self.point(v)), POOR_SINE))
+        self.corners(facet).map(|t| t.map(|v| self.point(v))).is_some_and(|[a, b, c]| is_needle([&a, &b, &c], POOR_SINE))
     }
 
     /// New triangulations of the polygons; the corners of those that have none.

@@ -1,6 +1,7 @@
 //! The kernel model under work, with what the operators need to know about it: supports, places, sizes.
 
 use super::bands::Choice;
+use super::history::History;
 use super::quality::{is_needle, sharpest_cosine};
 use super::sizing::Bound;
 use crate::brep::model::Brep;
@@ -10,6 +11,7 @@ use crate::geom::Vec3;
 use crate::ids::{FacetId, Id, IdVec, SurfaceId, VertexId};
 use crate::patch::curve::Curve;
 use crate::patch::support::Support;
+use std::cell::Cell;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -61,6 +63,30 @@ impl Measure {
     }
 }
 
+/// What measuring a triangle needs of its surface.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Area<'a> {
+    support: &'a Support,
+    /// +1 if the triangle's normal has the sense of its support's, else -1.
+    sense: f64,
+    /// Share of the bound that it may use.
+    share: f64,
+}
+
+impl Area<'_> {
+    /// The largest distance of a triangle's centre and of some other points from the support, as a fraction of what is allowed, and
+    /// whether the triangle faces the wrong way.
+    pub fn deviation(&self, bound: &Bound, [a, b, c]: &[Vec3; 3], points: &[Vec3]) -> (f64, bool) {
+        let normal = (b - a).cross(&(c - a)) * self.sense;
+        let center = (a + b + c) / 3.0;
+        let foot = self.support.nearest(&center);
+        let is_flipped = is_needle([a, b, c], NEEDLE_SINE) || normal.dot(&foot.normal) <= FLIPPED_COSINE * normal.norm();
+        let allowed = bound.along(foot.curvature) * self.share;
+        let deviation = points.iter().map(|p| self.support.distance(p)).fold((foot.point - center).norm(), f64::max);
+        (deviation / allowed, is_flipped)
+    }
+}
+
 /// The model under work.
 pub(super) struct Workpiece {
     pub brep: Brep,
@@ -79,24 +105,30 @@ pub(super) struct Workpiece {
     pub bound: Bound,
     /// How much obtuse triangles count as sharp ones.
     pub obtuse: f64,
+    /// By facet: its measure if it has been taken since the facet last changed.
+    pub measures: Vec<Cell<Option<Measure>>>,
     /// By surface: share of the bound that it may use; less where facets came too near to others.
     pub shares: Vec<f64>,
     pub choice: Choice,
-    /// By vertex: whether anything around it changed since it was last polished; all true if too short.
-    pub changed: Vec<bool>,
-    /// By vertex: whether no better place was found for it and nothing around it has changed since.
-    pub is_still: Vec<bool>,
+    /// What changed when.
+    pub history: History,
 }
 
 impl Workpiece {
+    #[inline]
     pub fn point(&self, vertex: VertexId) -> Vec3 {
         self.brep.vertices[vertex].point
+    }
+
+    pub fn points(&self, [a, b, c]: [VertexId; 3]) -> [Vec3; 3] {
+        [self.point(a), self.point(b), self.point(c)]
     }
 
     pub fn place(&self, vertex: VertexId) -> Place {
         self.places[vertex.index()]
     }
 
+    #[inline]
     pub fn is_treated(&self, facet: FacetId) -> bool {
         self.is_treated.get(facet.index()).copied().unwrap_or(false)
     }
@@ -141,60 +173,51 @@ impl Workpiece {
         self.lone_edges.get(&sorted(ends)).copied()
     }
 
+    /// What measuring a facet needs of its surface; `None` without a support.
+    pub fn area_of(&self, facet: FacetId) -> Option<Area<'_>> {
+        Some(Area { support: self.support(facet)?, sense: self.sense[facet.index()], share: self.share(facet) })
+    }
+
     /// Measures the triangle of a facet with other corner positions.
-    pub fn measure(&self, facet: FacetId, corners: [Vec3; 3]) -> Measure {
+    pub fn measure(&self, facet: FacetId, corners: &[Vec3; 3]) -> Measure {
         let [a, b, c] = corners;
-        let middles = [(a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5];
-        self.measure_at(facet, [a, b, c], &middles)
-    }
-
-    /// Measures the triangle of a facet with one corner elsewhere. Of its edges only the one that follows the corner is looked at:
-    /// around a vertex each edge follows it in one triangle, and the others do not change.
-    pub fn measure_moved(&self, facet: FacetId, vertex: VertexId, to: &Vec3) -> Option<Measure> {
-        let corners = self.corners(facet)?;
-        let k = corners.iter().position(|&v| v == vertex)?;
-        let next = self.point(corners[(k + 1) % 3]);
-        let moved = corners.map(|v| if v == vertex { *to } else { self.point(v) });
-        Some(self.measure_at(facet, moved, &[(to + next) * 0.5]))
-    }
-
-    /// Measures a triangle, its deviation at its centre and some points.
-    fn measure_at(&self, facet: FacetId, [a, b, c]: [Vec3; 3], points: &[Vec3]) -> Measure {
-        let cosine = sharpest_cosine([&a, &b, &c], self.obtuse);
-        let Some(support) = self.support(facet) else {
-            return Measure { cosine, excess: 0.0, is_flipped: false };
-        };
-        let normal = (b - a).cross(&(c - a)) * self.sense[facet.index()];
-        let center = (a + b + c) / 3.0;
-        let foot = support.closest(&center);
-        let is_flipped = is_needle(&[a, b, c], NEEDLE_SINE) || normal.dot(&foot.normal) <= FLIPPED_COSINE * normal.norm();
-        let allowed = self.bound.at(&foot) * self.share(facet);
-        let deviation = points.iter().map(|p| support.distance(p)).fold((foot.point - center).norm(), f64::max);
-        Measure { cosine, excess: deviation / allowed, is_flipped }
+        let cosine = sharpest_cosine([a, b, c], self.obtuse);
+        let Some(area) = self.area_of(facet) else { return Measure { cosine, ..Measure::BEST } };
+        let (excess, is_flipped) = area.deviation(&self.bound, corners, &[(a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5]);
+        Measure { cosine, excess, is_flipped }
     }
 
     /// Measures a treated facet as it is.
     pub fn measure_facet(&self, facet: FacetId) -> Measure {
-        self.corners(facet).map_or(Measure::BEST, |t| self.measure(facet, t.map(|v| self.point(v))))
+        let known = self.measures.get(facet.index());
+        if let Some(measure) = known.and_then(Cell::get) {
+            return measure;
+        }
+        let measure = self.corners(facet).map_or(Measure::BEST, |t| self.measure(facet, &self.points(t)));
+        if let Some(slot) = known {
+            slot.set(Some(measure));
+        }
+        measure
     }
 
     /// Shape of a treated facet: the cosine of its measure, without a look at its support.
     pub fn sharpest(&self, facet: FacetId) -> f64 {
         let Some(corners) = self.corners(facet) else { return Measure::BEST.cosine };
-        let [a, b, c] = corners.map(|v| self.point(v));
+        let [a, b, c] = self.points(corners);
         sharpest_cosine([&a, &b, &c], self.obtuse)
     }
 
     /// The worst shape of the treated facets at a vertex.
     pub fn sharpest_at(&self, vertex: VertexId) -> f64 {
-        self.star(vertex).into_iter().map(|f| self.sharpest(f)).fold(Measure::BEST.cosine, f64::max)
+        let star = self.brep.topology.facets_at(vertex).filter(|&f| self.is_treated(f));
+        star.map(|f| self.sharpest(f)).fold(Measure::BEST.cosine, f64::max)
     }
 
     /// Whether a triangle's normal has the sense of its support's; `None` if it is too steep to tell.
     pub fn visible_sense(&self, facet: FacetId) -> Option<f64> {
-        let [a, b, c] = self.corners(facet)?.map(|v| self.point(v));
+        let [a, b, c] = self.points(self.corners(facet)?);
         let normal = (b - a).cross(&(c - a));
-        let cosine = normal.dot(&self.support(facet)?.closest(&((a + b + c) / 3.0)).normal);
+        let cosine = normal.dot(&self.support(facet)?.nearest(&((a + b + c) / 3.0)).normal);
         (cosine.abs() > FLIPPED_COSINE * normal.norm()).then_some(cosine.signum())
     }
 
@@ -208,14 +231,6 @@ impl Workpiece {
         self.brep.topology.facets_at(vertex).filter(|&f| self.is_treated(f)).collect()
     }
 
-    /// The other facets at a vertex.
-    pub fn polygons_at(&self, vertex: VertexId) -> Vec<FacetId> {
-        let mut all: Vec<FacetId> = self.brep.topology.facets_at(vertex).filter(|&f| !self.is_treated(f)).collect();
-        all.sort_unstable();
-        all.dedup();
-        all
-    }
-
     /// The worst in each respect of some treated facets.
     pub fn worst(&self, facets: &[FacetId]) -> Measure {
         facets.iter().map(|&f| self.measure_facet(f)).fold(Measure::BEST, Measure::worse_of)
@@ -224,18 +239,23 @@ impl Workpiece {
     /// The distance of the middle of an edge from its curve, as a fraction of what is allowed; 0 inside a surface.
     pub fn curve_excess(&self, curve: CurveId, a: &Vec3, b: &Vec3) -> f64 {
         let middle = (a + b) * 0.5;
-        match self.curves[curve].closest(&middle) {
-            Some(foot) => (foot.point - middle).norm() / self.bound.along(foot.curvature),
-            None => 0.0,
-        }
+        self.curves[curve].gap(&middle).map_or(0.0, |(gap, curvature)| gap / self.bound.along(curvature))
     }
 
     /// Where a vertex belongs: on its curve or surface; where it is if it is a corner.
     pub fn home(&self, vertex: VertexId, point: &Vec3) -> Vec3 {
         match self.place(vertex) {
             Place::Corner => self.point(vertex),
-            Place::Curve(c) => self.curves[c].closest(point).map_or(*point, |f| f.point),
-            Place::Surface(s) => self.supports[s].as_ref().map_or(*point, |s| s.closest(point).point),
+            place => self.home_of(place, point),
+        }
+    }
+
+    /// The nearest point of a curve or surface.
+    pub fn home_of(&self, place: Place, point: &Vec3) -> Vec3 {
+        match place {
+            Place::Corner => *point,
+            Place::Curve(c) => self.curves[c].nearest(point).unwrap_or(*point),
+            Place::Surface(s) => self.supports[s].as_ref().map_or(*point, |s| s.nearest(point).point),
         }
     }
 
@@ -244,23 +264,15 @@ impl Workpiece {
         self.shares[self.brep.facets[facet].surface.index()]
     }
 
-    /// Whether anything around a vertex changed since the last polish.
-    pub fn is_changed(&self, vertex: VertexId) -> bool {
-        self.changed.get(vertex.index()).copied().unwrap_or(true)
-    }
-
-    /// Marks the corners of facets as changed.
+    /// Notes that facets have changed.
     pub fn mark(&mut self, facets: &[FacetId]) {
         for &facet in facets {
-            for vertex in self.corners(facet).into_iter().flatten() {
-                if let Some(flag) = self.changed.get_mut(vertex.index()) {
-                    *flag = true;
-                }
-                if let Some(flag) = self.is_still.get_mut(vertex.index()) {
-                    *flag = false;
-                }
+            if let Some(slot) = self.measures.get(facet.index()) {
+                slot.set(None);
             }
         }
+        let topology = &self.brep.topology;
+        self.history.change(facets.iter().filter_map(|&f| topology.triangle(f)).flatten());
     }
 
     /// After an operation: makes room for new ids and marks the new triangles.
@@ -269,10 +281,12 @@ impl Workpiece {
         if self.is_treated.len() < bound {
             self.is_treated.resize(bound, false);
             self.sense.resize(bound, 1.0);
+            self.measures.resize(bound, Cell::new(None));
         }
         for &facet in facets {
             self.is_treated[facet.index()] = true;
             self.sense[facet.index()] = sense;
+            self.measures[facet.index()].set(None);
         }
     }
 }
