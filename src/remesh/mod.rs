@@ -100,7 +100,7 @@ pub fn remesh(complex: Complex, options: &RemeshOptions, parts: &IdVec<PartId, P
     if !choice.is_chosen.contains(&true) {
         return Ok(evaluated);
     }
-    let mut retreat = Retreat { shares: vec![1.0; complex.surfaces.len()], choice };
+    let mut retreat = Retreat { shares: vec![1.0; complex.surfaces.len()], choice, round: 0.0 };
     for left in (0..ATTEMPTS).rev() {
         let mut work = Workpiece::new(complex.clone(), supports.clone(), retreat.shares.clone(), retreat.choice.clone())?;
         work.remesh(options, parts);
@@ -124,6 +124,8 @@ struct Retreat {
     /// By surface: share of the deviation bound that it may use.
     shares: Vec<f64>,
     choice: Choice,
+    /// How often before: each time facets farther from the places are given up, by their own size.
+    round: f64,
 }
 
 impl Retreat {
@@ -136,12 +138,14 @@ impl Retreat {
             self.shares[fault.surface.index()] = CLOSER_SHARE;
         }
         let mut is_less = !new.is_empty();
+        self.round += 1.0;
         if again.is_empty() {
             return is_less;
         }
         for (facet, is_chosen) in complex.facets.iter().zip(&mut self.choice.is_chosen).filter(|f| *f.1) {
             let place = Aabb::around(facet.loops.iter().flatten().map(|&v| &complex.vertices[v].point));
-            let is_at = |f: &&Fault| f.surface == facet.surface && f.place.inflated(f.place.diagonal()).overlaps(&place);
+            let is_at =
+                |f: &&Fault| f.surface == facet.surface && f.place.inflated(f.place.diagonal() * self.round).overlaps(&place);
             if again.iter().any(is_at) {
                 *is_chosen = false;
                 is_less = true;
