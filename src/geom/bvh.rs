@@ -3,6 +3,7 @@
 //! Built by splitting at the median of the centres along the widest axis; the order is deterministic. Building costs
 //! O(n log n), a query O(log n + hits) on well spread boxes.
 
+use super::Vec3;
 use super::aabb::Aabb;
 use std::ops::ControlFlow;
 
@@ -70,6 +71,34 @@ impl Bvh {
                 }
             }
         }
+    }
+
+    /// The item nearest to a point by a squared distance that is not below that of the item's box; the first of equally near ones.
+    /// Nearer boxes are looked at first: cost O(log n) on well spread ones.
+    pub fn nearest(&self, point: &Vec3, distance: impl Fn(u32) -> f64) -> Option<u32> {
+        let gap = |b: &Aabb| (b.lo - point).sup(&(point - b.hi)).sup(&Vec3::zeros()).norm_squared();
+        let mut best = (f64::INFINITY, u32::MAX);
+        let mut stack: Vec<(f64, u32)> = self.nodes.first().map(|n| (gap(&n.bounds), 0)).into_iter().collect();
+        while let Some((low, n)) = stack.pop() {
+            if low > best.0 {
+                continue;
+            }
+            let node = &self.nodes[n as usize];
+            if node.count == 0 {
+                let [near, far] = [n + 1, node.first].map(|c| (gap(&self.nodes[c as usize].bounds), c));
+                stack.extend(if near.0 <= far.0 { [far, near] } else { [near, far] });
+                continue;
+            }
+            for &i in self.items_of(node) {
+                if gap(&self.boxes[i as usize]) <= best.0 {
+                    let here = (distance(i), i);
+                    if here.0 < best.0 || (here.0 == best.0 && i < best.1) {
+                        best = here;
+                    }
+                }
+            }
+        }
+        (best.1 != u32::MAX).then_some(best.1)
     }
 
     /// Pieces of the search for all overlapping pairs, for [`Bvh::overlapping_pairs`]: their number is at least `wanted` where
@@ -211,7 +240,19 @@ fn split(keyed: &mut [(u32, [f64; 3])], offset: usize, boxes: &[Aabb], nodes: &m
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::Vec3;
+
+    #[test]
+    fn nearest_is_the_nearest() {
+        let boxes = scattered();
+        let tree = Bvh::new(boxes.clone());
+        for k in 0..50 {
+            let point = boxes[k * 7].hi * 1.1 - Vec3::new(0.3, 0.2, 0.1);
+            let distance = |i: u32| (boxes[i as usize].center() - point).norm_squared();
+            let all = (0..boxes.len() as u32).min_by(|&i, &j| distance(i).total_cmp(&distance(j)));
+            assert_eq!(tree.nearest(&point, distance), all);
+        }
+        assert_eq!(Bvh::new(Vec::new()).nearest(&Vec3::zeros(), |_| 0.0), None);
+    }
 
     fn scattered() -> Vec<Aabb> {
         (0..500)

@@ -12,7 +12,6 @@ use crate::ids::{IdVec, LeafId, SurfaceId};
 use crate::primitive::solid::{Freedom, Shape};
 use crate::scene::model::PatchMode;
 use rayon::prelude::*;
-use std::cell::Cell;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 
@@ -101,20 +100,7 @@ impl FittedSurface {
 
     /// Nearest triangle, the first of equally near ones.
     fn nearest_triangle(&self, point: &Vec3) -> Option<u32> {
-        let best = Cell::new((f64::INFINITY, u32::MAX));
-        let near = |b: &Aabb| {
-            let gap = (b.lo - point).sup(&(point - b.hi)).sup(&Vec3::zeros());
-            gap.norm_squared() <= best.get().0
-        };
-        self.tree.search(near, |t| {
-            let foot = closest_on_triangle(&self.triangles[t as usize], point);
-            let distance = (foot - point).norm_squared();
-            let (least, first) = best.get();
-            if distance < least || (distance == least && t < first) {
-                best.set((distance, t));
-            }
-        });
-        (best.get().1 != u32::MAX).then_some(best.get().1)
+        self.tree.nearest(point, |t| (closest_on_triangle(&self.triangles[t as usize], point) - point).norm_squared())
     }
 
     /// Steps from patch to patch below this are no steps.
