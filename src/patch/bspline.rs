@@ -53,12 +53,12 @@ pub struct BsplinePatch {
 }
 
 impl BsplinePatch {
-    /// The patch over `plane` through `points`, nearly (at least three, not collinear in the plane); `None` if the points do
-    /// not determine one.
-    pub fn fit(plane: Plane, points: &[Vec3], energy: Energy) -> Option<Self> {
+    /// The patch over `plane` through points with weights, nearly (at least three, not collinear in the plane); `None` if the points
+    /// do not determine one.
+    pub fn fit(plane: Plane, points: &[(Vec3, f64)], energy: Energy) -> Option<Self> {
         let u = any_normal_to(&plane.normal);
         let axes = [u, plane.normal.cross(&u)];
-        let flat: Vec<[f64; 2]> = points.iter().map(|p| axes.map(|a| a.dot(&(p - plane.origin)))).collect();
+        let flat: Vec<[f64; 2]> = points.iter().map(|(p, _)| axes.map(|a| a.dot(&(p - plane.origin)))).collect();
         let mut low = [f64::INFINITY; 2];
         let mut span = [0.0; 2];
         for k in 0..2 {
@@ -72,7 +72,7 @@ impl BsplinePatch {
             return None;
         }
         let mut patch = Self { plane, axes, low, span, controls: DVector::zeros(CONTROLS * CONTROLS), error: 0.0 };
-        let heights = DVector::from_iterator(points.len(), points.iter().map(|p| plane.height(p)));
+        let heights = DVector::from_iterator(points.len(), points.iter().map(|(p, _)| plane.height(p)));
         let mut data = DMatrix::zeros(points.len(), CONTROLS * CONTROLS);
         for (row, q) in flat.iter().enumerate() {
             let (i, j, wu, wv) = patch.basis(*q);
@@ -81,9 +81,11 @@ impl BsplinePatch {
             }
         }
         let smooth = energy_matrix(energy, span);
-        let normal = data.transpose() * &data;
+        let weights = DVector::from_iterator(points.len(), points.iter().map(|p| p.1));
+        let weighted = DMatrix::from_diagonal(&weights) * &data;
+        let normal = weighted.transpose() * &data;
         let weight = SMOOTHING * normal.trace() / smooth.trace();
-        patch.controls = (normal + smooth * weight).cholesky()?.solve(&(data.transpose() * &heights));
+        patch.controls = (normal + smooth * weight).cholesky()?.solve(&(weighted.transpose() * &heights));
         patch.error = flat.iter().zip(heights.iter()).map(|(q, h)| (patch.height(*q).0 - h).abs()).fold(0.0, f64::max);
         patch.error.is_finite().then_some(patch)
     }
@@ -221,12 +223,12 @@ fn gram_matrix(order: usize) -> DMatrix<f64> {
 mod tests {
     use super::*;
 
-    fn sphere_samples(radius: f64, step: f64) -> Vec<Vec3> {
+    fn sphere_samples(radius: f64, step: f64) -> Vec<(Vec3, f64)> {
         let at = |i: i32, j: i32| {
             let (x, y) = (f64::from(i) * step, f64::from(j) * step);
             Vec3::new(x, y, (radius * radius - x * x - y * y).sqrt())
         };
-        (-2..=2).flat_map(|i| (-1..=1).map(move |j| (i, j))).map(|(i, j)| at(i, j)).collect()
+        (-2..=2).flat_map(|i| (-1..=1).map(move |j| (i, j))).map(|(i, j)| (at(i, j), 1.0)).collect()
     }
 
     #[test]
@@ -240,7 +242,8 @@ mod tests {
     #[test]
     fn plane_points_give_the_plane() {
         let plane = Plane::new(Vec3::zeros(), Vec3::z()).unwrap();
-        let points: Vec<Vec3> = sphere_samples(100.0, 10.0).iter().map(|p| Vec3::new(p.x, p.y, 1.0 + 0.1 * p.x)).collect();
+        let samples = sphere_samples(100.0, 10.0);
+        let points: Vec<(Vec3, f64)> = samples.iter().map(|(p, w)| (Vec3::new(p.x, p.y, 1.0 + 0.1 * p.x), *w)).collect();
         let patch = BsplinePatch::fit(plane, &points, Energy::ThinPlate).unwrap();
         assert!(patch.error() < 1e-9);
         let foot = patch.closest(&Vec3::new(5.0, 3.0, 4.0));

@@ -17,6 +17,9 @@ const MAX_STEPS: usize = 40;
 /// Jumps between patches, in their grain, that a foot may be left in.
 const JUMP: f64 = 100.0;
 
+/// Distance, in the patches' grain, beyond which a foot is not on the patches that were meant: half a shortest edge.
+const LEAP: f64 = 5000.0;
+
 /// Fraction of the way that may be left for a distance.
 const ROUGH: f64 = 1e-6;
 
@@ -146,6 +149,9 @@ fn newton(start: &Vec3, supports: &[Arc<Support>], rough: f64) -> Option<Vec3> {
         let length = step.norm();
         point += step;
         let enough = (4.0 * f64::EPSILON * point.amax()).max(rough * *first.get_or_insert(length)).max(grain);
+        if grain > 0.0 && (point - start).norm() > LEAP * grain {
+            return None;
+        }
         // What the next step would be, by quadratic convergence.
         let next = length * (length / last) * (length / last);
         if length <= enough || next <= enough || (length >= last && length <= (1e-10 * point.amax()).max(JUMP * grain)) {

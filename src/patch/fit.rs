@@ -26,7 +26,10 @@ const MOST_POINTS: usize = 30;
 const AREA_FACTOR: f64 = 9.0;
 const TURN_COSINE: f64 = 0.707;
 
-/// Patches of neighbouring facets differ by about this fraction of a facet's size.
+/// Weight of vertices that an intersection made: they are on chords of the surface, and matter where nothing else tells how it goes on.
+const CUT_WEIGHT: f64 = 0.01;
+
+/// Patches of neighbouring facets differ by about this fraction of the shortest edges.
 const GRAIN: f64 = 1e-4;
 /// Share by which a curvature may pass the largest turn between facets: these are taken across a third of their widths.
 const CURVED_MORE: f64 = 1.5;
@@ -80,8 +83,8 @@ impl FittedSurface {
         let triangles: Vec<[Vec3; 3]> = sample.triangles.iter().map(|t| t.0.map(|v| sample.points[v as usize])).collect();
         let boxes = triangles.iter().map(|t| Aabb::around(t.iter())).collect();
         let patch_of_triangle = sample.triangles.iter().map(|t| t.1).collect();
-        let area: f64 = triangles.iter().map(|[a, b, c]| (b - a).cross(&(c - a)).norm()).sum();
-        let grain = GRAIN * (area / triangles.len().max(1) as f64).sqrt();
+        let shortest = |[a, b, c]: &[Vec3; 3]| (b - a).norm().min((c - b).norm()).min((a - c).norm());
+        let grain = GRAIN * triangles.iter().map(shortest).sum::<f64>() / triangles.len().max(1) as f64;
         Self { triangles, patch_of_triangle, tree: Bvh::new(boxes), patches, grain }
     }
 
@@ -229,7 +232,7 @@ impl Sample {
         let center = corners.iter().sum::<Vec3>() / corners.len() as f64;
         let plane = Plane::new(center, normal).unwrap_or(Plane { origin: center, normal: Vec3::z() });
         let (points, most_curved) = self.neighbourhood(facet, &normal);
-        let size = Aabb::around(points.iter()).diagonal();
+        let size = Aabb::around(points.iter().map(|p| &p.0)).diagonal();
         match BsplinePatch::fit(plane, &points, Energy::ThinPlate) {
             Some(patch) if points.len() > 3 && patch.error() <= MAX_ERROR * size => {
                 LocalPatch::Bspline { patch, most_curved: CURVED_MORE * most_curved }
@@ -238,9 +241,9 @@ impl Sample {
         }
     }
 
-    /// Points around a facet and the largest curvature there: vertices ring by ring over smooth edges, until there are enough of them
+    /// Points around a facet with their weights, and the largest curvature there: vertices ring by ring over smooth edges, until there are enough of them
     /// and they cover enough area, and the middles of the curved edges between them.
-    fn neighbourhood(&self, facet: &[u32], own: &Vec3) -> (Vec<Vec3>, f64) {
+    fn neighbourhood(&self, facet: &[u32], own: &Vec3) -> (Vec<(Vec3, f64)>, f64) {
         let mut triangles: Vec<u32> = facet.to_vec();
         let mut seen: HashSet<u32> = facet.iter().copied().collect();
         let mut vertices: Vec<u32> = Vec::new();
@@ -271,10 +274,9 @@ impl Sample {
         edges.sort_unstable();
         edges.dedup();
         let most_curved = edges.iter().map(|&e| self.turn(e)).fold(0.0, f64::max);
-        let on_surface: Vec<u32> = vertices.iter().copied().filter(|&v| !self.is_cut[v as usize]).collect();
-        let chosen = if on_surface.len() >= POINTS.min(6) { on_surface } else { vertices };
-        let middles = edges.iter().filter_map(|&e| self.middle(e));
-        (chosen.iter().map(|&v| self.points[v as usize]).chain(middles).collect(), most_curved)
+        let weight = |v: u32| if self.is_cut[v as usize] { CUT_WEIGHT } else { 1.0 };
+        let middles = edges.iter().filter_map(|&e| self.middle(e)).map(|p| (p, 1.0));
+        (vertices.iter().map(|&v| (self.points[v as usize], weight(v))).chain(middles).collect(), most_curved)
     }
 
     /// Curvature across an edge between two facets: the sine of their angle over the distance of their centres from the edge.
