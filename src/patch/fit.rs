@@ -26,8 +26,10 @@ const MOST_POINTS: usize = 30;
 const AREA_FACTOR: f64 = 9.0;
 const TURN_COSINE: f64 = 0.707;
 
-/// Weight of vertices that an intersection made: they are on chords of the surface, and matter where nothing else tells how it goes on.
+/// Weight of vertices that an intersection made: they are on chords of the surface, and are taken only where the others do not reach
+/// over this share of the neighbourhood.
 const CUT_WEIGHT: f64 = 0.01;
+const COVERED: f64 = 0.75;
 
 /// Patches of neighbouring facets differ by about this fraction of the shortest edges.
 const GRAIN: f64 = 1e-4;
@@ -274,9 +276,17 @@ impl Sample {
         edges.sort_unstable();
         edges.dedup();
         let most_curved = edges.iter().map(|&e| self.turn(e)).fold(0.0, f64::max);
-        let weight = |v: u32| if self.is_cut[v as usize] { CUT_WEIGHT } else { 1.0 };
-        let middles = edges.iter().filter_map(|&e| self.middle(e)).map(|p| (p, 1.0));
-        (vertices.iter().map(|&v| (self.points[v as usize], weight(v))).chain(middles).collect(), most_curved)
+        let points = |is_wanted: &dyn Fn(u32) -> bool| -> Vec<Vec3> {
+            vertices.iter().filter(|v| is_wanted(**v)).map(|&v| self.points[v as usize]).collect()
+        };
+        let is_cut = |v: u32| self.is_cut[v as usize];
+        let mut exact = points(&|v| !is_cut(v));
+        let reach = |points: &[Vec3]| Aabb::around(points.iter()).diagonal();
+        let is_covered = exact.len() > 5 && reach(&exact) >= COVERED * reach(&points(&|_| true));
+        let cut = if is_covered { Vec::new() } else { points(&is_cut) };
+        exact.extend(edges.iter().filter_map(|&e| self.middle(e)));
+        let weighted = |points: Vec<Vec3>, weight: f64| points.into_iter().map(move |p| (p, weight));
+        (weighted(exact, 1.0).chain(weighted(cut, CUT_WEIGHT)).collect(), most_curved)
     }
 
     /// Curvature across an edge between two facets: the sine of their angle over the distance of their centres from the edge.

@@ -5,7 +5,7 @@ use super::workpiece::{Place, Workpiece};
 use crate::geom::Vec3;
 use crate::ids::{Id, VertexId};
 use crate::patch::curve::project_on_all;
-use crate::patch::support::any_normal_to;
+use crate::patch::support::{Support, any_normal_to};
 
 /// What a vertex is to move towards.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -67,6 +67,10 @@ impl Workpiece {
         let (mut supports, mut is_home) = (Vec::new(), true);
         for facet in self.brep.topology.facets_at(vertex) {
             let support = self.support_or_plane(facet)?;
+            // Patches of neighbouring facets jump: such corners would wander.
+            if matches!(*support, Support::Fitted(_)) {
+                return None;
+            }
             let foot = support.nearest(&point);
             is_home &= (foot.point - point).norm() <= AT_HOME * self.bound.along(foot.curvature);
             supports.push((support, foot.normal));
