@@ -74,10 +74,10 @@ impl Bvh {
     }
 
     /// The item nearest to a point by a squared distance that is not below that of the item's box; the first of equally near ones.
-    /// Nearer boxes are looked at first: cost O(log n) on well spread ones.
-    pub fn nearest(&self, point: &Vec3, distance: impl Fn(u32) -> f64) -> Option<u32> {
+    /// Nearer boxes are looked at first: cost O(log n) on well spread ones, and less if `guess` is one of the nearer items.
+    pub fn nearest(&self, point: &Vec3, guess: Option<u32>, distance: impl Fn(u32) -> f64) -> Option<u32> {
         let gap = |b: &Aabb| (b.lo - point).sup(&(point - b.hi)).sup(&Vec3::zeros()).norm_squared();
-        let mut best = (f64::INFINITY, u32::MAX);
+        let mut best = guess.map_or((f64::INFINITY, u32::MAX), |i| (distance(i), i));
         let mut stack: Vec<(f64, u32)> = self.nodes.first().map(|n| (gap(&n.bounds), 0)).into_iter().collect();
         while let Some((low, n)) = stack.pop() {
             if low > best.0 {
@@ -85,8 +85,9 @@ impl Bvh {
             }
             let node = &self.nodes[n as usize];
             if node.count == 0 {
-                let [near, far] = [n + 1, node.first].map(|c| (gap(&self.nodes[c as usize].bounds), c));
-                stack.extend(if near.0 <= far.0 { [far, near] } else { [near, far] });
+                let [left, right] = [n + 1, node.first].map(|c| (gap(&self.nodes[c as usize].bounds), c));
+                let (near, far) = if left.0 <= right.0 { (left, right) } else { (right, left) };
+                stack.extend([far, near].into_iter().filter(|c| c.0 <= best.0));
                 continue;
             }
             for &i in self.items_of(node) {
@@ -249,9 +250,10 @@ mod tests {
             let point = boxes[k * 7].hi * 1.1 - Vec3::new(0.3, 0.2, 0.1);
             let distance = |i: u32| (boxes[i as usize].center() - point).norm_squared();
             let all = (0..boxes.len() as u32).min_by(|&i, &j| distance(i).total_cmp(&distance(j)));
-            assert_eq!(tree.nearest(&point, distance), all);
+            assert_eq!(tree.nearest(&point, None, distance), all);
+            assert!((0..3).all(|guess| tree.nearest(&point, Some(guess), distance) == all));
         }
-        assert_eq!(Bvh::new(Vec::new()).nearest(&Vec3::zeros(), |_| 0.0), None);
+        assert_eq!(Bvh::new(Vec::new()).nearest(&Vec3::zeros(), None, |_| 0.0), None);
     }
 
     fn scattered() -> Vec<Aabb> {

@@ -14,6 +14,7 @@ use crate::scene::model::PatchMode;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// A patch is dropped for its facet's plane if it errs by more than this fraction of its extent (thesis 4.2.2: 2 %).
 const MAX_ERROR: f64 = 0.02;
@@ -62,6 +63,8 @@ pub struct FittedSurface {
     tree: Bvh,
     patches: Vec<LocalPatch>,
     grain: f64,
+    /// The triangle found last: the next question is mostly about a place beside. Answers do not depend on it.
+    last: Arc<AtomicU32>,
 }
 
 #[derive(Clone, Debug)]
@@ -87,7 +90,7 @@ impl FittedSurface {
         let patch_of_triangle = sample.triangles.iter().map(|t| t.1).collect();
         let shortest = |[a, b, c]: &[Vec3; 3]| (b - a).norm().min((c - b).norm()).min((a - c).norm());
         let grain = GRAIN * triangles.iter().map(shortest).sum::<f64>() / triangles.len().max(1) as f64;
-        Self { triangles, patch_of_triangle, tree: Bvh::new(boxes), patches, grain }
+        Self { triangles, patch_of_triangle, tree: Bvh::new(boxes), patches, grain, last: Arc::default() }
     }
 
     pub(super) fn closest(&self, point: &Vec3) -> Foot {
@@ -105,7 +108,11 @@ impl FittedSurface {
 
     /// Nearest triangle, the first of equally near ones.
     fn nearest_triangle(&self, point: &Vec3) -> Option<u32> {
-        self.tree.nearest(point, |t| (closest_on_triangle(&self.triangles[t as usize], point) - point).norm_squared())
+        let distance = |t: u32| (closest_on_triangle(&self.triangles[t as usize], point) - point).norm_squared();
+        let last = self.last.load(Ordering::Relaxed);
+        let found = self.tree.nearest(point, ((last as usize) < self.triangles.len()).then_some(last), distance)?;
+        self.last.store(found, Ordering::Relaxed);
+        Some(found)
     }
 
     /// Steps from patch to patch below this are no steps.

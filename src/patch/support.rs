@@ -146,6 +146,11 @@ impl Support {
         }
     }
 
+    /// Whether it is known by its facets only.
+    pub fn is_fitted(&self) -> bool {
+        matches!(self, Self::Fitted(_))
+    }
+
     /// Whether it is flat.
     pub fn is_plane(&self) -> bool {
         matches!(self, Self::Plane(_))

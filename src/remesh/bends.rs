@@ -14,12 +14,14 @@ use crate::brep::store::{EdgeId, FinId};
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
 use crate::ids::{FacetId, Id, VertexId};
+use crate::patch::support::Support;
 use crate::round::PLANAR_ULPS;
 use std::cmp::Reverse;
 
 /// Sine of the angle between planes below which TetGen might merge facets: 0.12 degrees.
 const MERGED_SINE: f64 = 2.1e-3;
-/// Sines below which facets are brought into one plane where that costs no shape (2.6 and 8.6 degrees), the easy ones first. The
+/// Sines below which facets are brought into one plane where that costs no shape (2.6 and 8.6 degrees), the easy ones first; not on
+/// fitted surfaces, where most bends are as weak. The
 /// more, the fewer edges TetGen has to keep: with 0.03 at most, three_cylinders wholly remeshed needs a quarter more tetrahedra.
 const NEAR_SINES: [f64; 2] = [0.045, 0.15];
 /// Facets are in one plane if no corner is farther off than this fraction of the size.
@@ -111,6 +113,9 @@ impl Workpiece {
     fn is_weak(&self, edge: EdgeId, aim: Aim) -> bool {
         let mut facets = self.brep.topology.facets_around(edge);
         let (Some(f), Some(g), None) = (facets.next(), facets.next(), facets.next()) else { return false };
+        if !aim.is_forced && self.support(f).is_some_and(Support::is_fitted) {
+            return false;
+        }
         let (m, n) = (self.normal(f), self.normal(g));
         if self.brep.facets[f].marker != self.brep.facets[g].marker || m.cross(&n).norm() > aim.sine {
             return false;
