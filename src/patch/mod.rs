@@ -8,7 +8,8 @@
 //! | `support` | the one interface: closest point, normal and bending, distance |
 //! | `plane`, `analytic`, `ellipsoid` | exact surfaces of primitives |
 //! | `bspline` | bicubic least-squares patch with thin-plate or membrane term |
-//! | `fit` | which points shape the patch of which facet; the 2 % rule |
+//! | `fit` | surfaces known by their facets: a patch for each |
+//! | `sample` | which points shape the patch of which facet; the 2 % rule |
 //! | `curve` | lines, circles, polylines, and curves between surfaces |
 //!
 //! ```text
@@ -23,4 +24,5 @@ pub mod curve;
 mod ellipsoid;
 pub mod fit;
 pub mod plane;
+mod sample;
 pub mod support;

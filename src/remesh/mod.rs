@@ -12,7 +12,7 @@
 //! 4. Sizes (`sizing`): the edge length whose chord has the allowed deviation, limited by parts and thin gaps, graded.
 //! 5. Rounds (`schedule`): split what is too long, longest first, with swaps around each new vertex; collapse what is too
 //!    short, shortest first; bring vertices home onto their curves and surfaces; swap; move vertices to the middle.
-//! 6. Polish, worst triangle first: the one of swap, collapse and relocation (`relocate`: a pattern search) that raises the
+//! 6. Polish (`polish`), worst triangle first: the one of swap, collapse and relocation (`ring`: a pattern search) that raises the
 //!    smallest angle around most.
 //! 7. Thin out: collapse what shape and deviation do not need; split what still deviates too far; polish.
 //! 8. Neighbouring facets almost in one plane are brought into it, or turned clear of it, and become polygons (`bends`).
@@ -45,6 +45,7 @@ mod features;
 mod history;
 mod operators;
 mod pieces;
+mod polish;
 mod polygons;
 mod quality;
 mod relocate;

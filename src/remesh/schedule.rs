@@ -1,6 +1,6 @@
 //! The order of the work: a queue picks the next edge (thesis 6.2) instead of the sweeps of Table 4.1.
 
-use super::operators::{Effect, LEAST_GAIN};
+use super::operators::Effect;
 use super::quality::cosine_of_degrees;
 use super::relocate::Aim;
 use super::sizing::Limits;
@@ -12,8 +12,8 @@ use std::collections::BinaryHeap;
 
 /// Edges longer than this many wanted lengths are split, shorter than that collapsed. Their ratio is two, so that neither
 /// undoes the other.
-const LONG: f64 = 1.4;
-const SHORT: f64 = 0.7;
+pub(super) const LONG: f64 = 1.4;
+pub(super) const SHORT: f64 = 0.7;
 
 /// How much longer than before an edge that is too long already may get by a collapse beside it.
 const STRETCH: f64 = 1.1;
@@ -21,8 +21,7 @@ const STRETCH: f64 = 1.1;
 /// Rounds of split, collapse, swap and relocate; shape and size hardly change after four.
 const ROUNDS: usize = 5;
 
-/// Angles in degrees: what polishing aims at, what a collapse for size may leave, and what one that thins out must keep.
-const GOAL: f64 = 42.0;
+/// Angles in degrees: what a collapse for size may leave, and what one that thins out must keep.
 const ROUGH: f64 = 15.0;
 const THIN_KEEPS: f64 = 40.0;
 
@@ -47,20 +46,17 @@ const OBTUSE: f64 = 0.25;
 /// Operations per edge at most in one pass: passes end long before, this bounds them on any input.
 const BUDGET_PER_EDGE: usize = 20;
 
-/// Repairs of one triangle at most, on average, in one polish.
-const MENDS_PER_FACET: usize = 8;
-
 /// A priority queue of ids: largest key first, then smallest id. Keys are not negative.
-struct Queue<I>(BinaryHeap<(u64, std::cmp::Reverse<I>)>);
+pub(super) struct Queue<I>(BinaryHeap<(u64, std::cmp::Reverse<I>)>);
 
 impl<I: Id> Queue<I> {
-    fn new() -> Self {
+    pub fn new() -> Self {
         Self(BinaryHeap::new())
     }
-    fn push(&mut self, id: I, key: f64) {
+    pub fn push(&mut self, id: I, key: f64) {
         self.0.push((key.max(0.0).to_bits(), std::cmp::Reverse(id)));
     }
-    fn pop(&mut self) -> Option<(I, f64)> {
+    pub fn pop(&mut self) -> Option<(I, f64)> {
         self.0.pop().map(|(key, id)| (id.0, f64::from_bits(key)))
     }
 }
@@ -266,7 +262,7 @@ impl Workpiece {
     }
 
     /// Whether merging a vertex into another makes an edge longer than `longest` wanted lengths and than those before.
-    fn would_stretch(&self, gone: VertexId, kept: VertexId, longest: f64) -> bool {
+    pub fn would_stretch(&self, gone: VertexId, kept: VertexId, longest: f64) -> bool {
         let (from, to) = (self.point(gone), self.point(kept));
         self.brep.topology.neighbours(gone).filter(|&n| n != kept).any(|n| {
             let size = 0.5 * (self.sizes[n.index()] + self.sizes[kept.index()]);
@@ -287,113 +283,6 @@ impl Workpiece {
         for v in self.active_vertices() {
             self.relocate_towards(v, Aim::Middle);
         }
-    }
-
-    /// Improves the worst triangles, worst first, by whichever operator raises their smallest angle most.
-    fn polish(&mut self) {
-        let goal = cosine_of_degrees(GOAL);
-        let mut queue = Queue::new();
-        let facets: Vec<FacetId> = self.brep.topology.facets().filter(|&f| self.is_treated(f)).collect();
-        let mut budget = MENDS_PER_FACET * facets.len() + 100;
-        for f in facets {
-            let is_new = self.corners(f).is_some_and(|t| t.iter().any(|&v| self.history.is_new(v)));
-            if is_new {
-                self.enqueue_poor(&mut queue, f, goal);
-            }
-        }
-        self.history.start_polish();
-        while let Some((facet, key)) = queue.pop() {
-            let is_stale = !self.brep.topology.has_facet(facet) || !self.is_treated(facet) || self.sharpest(facet) != key;
-            if is_stale || budget == 0 {
-                continue;
-            }
-            if self.corners(facet).is_some_and(|t| self.history.is_hopeless(facet, t)) {
-                continue;
-            }
-            budget -= 1;
-            let changed = self.mend(facet);
-            if changed.is_empty() {
-                self.history.give_up(facet);
-            }
-            for f in changed {
-                if self.brep.topology.has_facet(f) && self.is_treated(f) {
-                    self.enqueue_poor(&mut queue, f, goal);
-                }
-            }
-        }
-    }
-
-    fn enqueue_poor(&self, queue: &mut Queue<FacetId>, facet: FacetId, goal: f64) {
-        let cosine = self.sharpest(facet);
-        if cosine > goal {
-            queue.push(facet, cosine);
-        }
-    }
-
-    /// Improves one triangle; gives the facets around if it did.
-    fn mend(&mut self, facet: FacetId) -> Vec<FacetId> {
-        let Some(corners) = self.corners(facet) else { return Vec::new() };
-        let edges = self.edges_of(&[facet]);
-        let sharpest = corners.map(|v| self.sharpest_at(v));
-        let mut still = Vec::new();
-        let mut best: Option<(f64, Mend)> = None;
-        let mut consider = |effect: &Effect, what: Mend| {
-            if effect.is_better() && best.as_ref().is_none_or(|b| effect.after.cosine < b.0) {
-                best = Some((effect.after.cosine, what));
-            }
-        };
-        for &edge in &edges {
-            if let Some((plan, effect)) = self.plan_swap(edge) {
-                consider(&effect, Mend::Swap(plan));
-            }
-            for gone in self.brep.topology.ends(edge) {
-                let limit = corners.iter().position(|&v| v == gone).map_or(0.0, |k| sharpest[k] - LEAST_GAIN);
-                if let Some((plan, effect)) = self.plan_collapse(edge, gone, limit)
-                    && !self.would_stretch(plan.gone, plan.kept, LONG)
-                {
-                    consider(&effect, Mend::Collapse(plan));
-                }
-            }
-        }
-        for vertex in corners {
-            if self.history.is_kept(vertex) {
-                continue;
-            }
-            match self.ring(vertex).best_place() {
-                Some((to, effect)) => consider(&effect, Mend::Move(vertex, to)),
-                None => still.push(vertex),
-            }
-        }
-        for vertex in still {
-            self.history.keep(vertex);
-        }
-        match best {
-            None => self.try_split(facet),
-            Some((_, Mend::Swap(plan))) => self.swap(&plan).facets,
-            Some((_, Mend::Collapse(plan))) => self.collapse(&plan).facets,
-            Some((_, Mend::Move(vertex, to))) => {
-                self.relocate(vertex, to);
-                self.star(vertex)
-            }
-        }
-    }
-
-    /// Splits the longest edge of a triangle if the new vertex finds a place where all triangles around are better than those
-    /// before.
-    fn try_split(&mut self, facet: FacetId) -> Vec<FacetId> {
-        let longest = self.edges_of(&[facet]).into_iter().max_by(|&a, &b| self.length(a).total_cmp(&self.length(b)));
-        let Some(edge) = longest.filter(|&e| self.relative_length(e) > SHORT) else { return Vec::new() };
-        let Some((place, at)) = self.site_of_split(edge) else { return Vec::new() };
-        let around: Vec<FacetId> = self.brep.topology.facets_around(edge).filter(|&f| self.is_treated(f)).collect();
-        let before = self.worst(&around);
-        let ring = self.ring_of_split(edge, place, at);
-        let (at, after) = ring.best_place().map_or((at, ring.before), |(to, effect)| (to, effect.after));
-        drop(ring);
-        if !(Effect { before, after }).is_better() {
-            return Vec::new();
-        }
-        let vertex = self.split_at(edge, place, at).and_then(|t| t.vertex);
-        vertex.map_or_else(Vec::new, |v| self.star(v))
     }
 
     /// Splits edges that are further from their curve or surface than allowed; how many.
@@ -436,11 +325,4 @@ impl Workpiece {
 enum Reach {
     Curves,
     All,
-}
-
-/// How a triangle can be mended.
-enum Mend {
-    Swap(crate::brep::local::Swap),
-    Collapse(crate::brep::local::Collapse),
-    Move(VertexId, crate::geom::Vec3),
 }
