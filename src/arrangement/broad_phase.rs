@@ -2,6 +2,7 @@
 
 use super::graph::Mesh;
 use super::intersect::{Contact, intersect};
+use super::rests::{Item, Level};
 use crate::geom::aabb::Aabb;
 use crate::geom::bvh::Bvh;
 use rayon::prelude::*;
@@ -42,8 +43,8 @@ impl Contacts {
     }
 }
 
-/// The triangles of one leaf near another, each with its sheet, which tells most pairs apart, and their boxes.
-type LeafTree = (Vec<[u32; 2]>, Bvh);
+/// The triangles of one leaf near another and their boxes.
+type LeafTree = (Vec<Item>, Bvh);
 
 /// Finds all contacts between triangles that have no leaf in common, since a leaf is valid in itself, nor a sheet, since contact
 /// has made its cells conform.
@@ -71,14 +72,17 @@ pub fn contacts(mesh: &Mesh) -> Contacts {
 /// Every leaf has a tree of its own, so that the many neighbours within one leaf are never looked at.
 fn trees(mesh: &Mesh, is_parallel: bool) -> Vec<LeafTree> {
     let points = &mesh.input.points;
-    let mut leaves: Vec<(Vec<[u32; 2]>, Vec<Aabb>)> = Vec::new();
-    for &t in mesh.near.iter().filter(|&&t| !mesh.fate_of(t).is_aside()) {
+    let compared: Vec<u32> = mesh.near.iter().copied().filter(|&t| !mesh.fate_of(t).is_aside()).collect();
+    let level = Level::new(mesh, &compared);
+    let mut leaves: Vec<(Vec<Item>, Vec<Aabb>)> = Vec::new();
+    for t in compared {
         let leaf = mesh.leaf_of(t) as usize;
         if leaves.len() <= leaf {
             leaves.resize_with(leaf + 1, Default::default);
         }
-        leaves[leaf].0.push([t, mesh.sheet_of(t)]);
-        leaves[leaf].1.push(Aabb::around(mesh.triangles[t as usize].map(|v| &points[v as usize])));
+        let bounds = Aabb::around(mesh.triangles[t as usize].map(|v| &points[v as usize]));
+        leaves[leaf].0.push(level.item(mesh, t, &bounds));
+        leaves[leaf].1.push(bounds);
     }
     if is_parallel {
         leaves.into_par_iter().map(|(triangles, boxes)| (triangles, Bvh::new(boxes))).collect()
@@ -91,8 +95,10 @@ fn trees(mesh: &Mesh, is_parallel: bool) -> Vec<LeafTree> {
 fn between(mesh: &Mesh, (first, tree): &LeafTree, (second, other): &LeafTree) -> Contacts {
     let (mut found, mut pairs) = (Contacts::default(), Vec::new());
     tree.pairs(other, 0.0, |i, j| {
-        let ([t, mine], [u, yours]) = (first[i as usize], second[j as usize]);
-        if mine != yours && !mesh.has_common_leaf(t, u) {
+        let (mine, yours) = (&first[i as usize], &second[j as usize]);
+        let (t, u) = (mine.triangle, yours.triangle);
+        let is_settled = mine.sheet == yours.sheet || mine.rests(tree.bounds_of(i), yours, other.bounds_of(j));
+        if !is_settled && !mesh.has_common_leaf(t, u) {
             pairs.push([t.min(u), t.max(u)]);
             if pairs.len() == BATCH {
                 found.add(mesh, &mut pairs);

@@ -8,7 +8,8 @@
 //! it, without diagonals.
 //!
 //! # Steps
-//! 1. `broad_phase`: pairs of triangles of different leaves whose boxes overlap.
+//! 1. `broad_phase`: pairs of triangles of different leaves whose boxes overlap; not those of which one `rests` on the sheet of
+//!    the other.
 //! 2. `intersect`: the common points of a pair, each with its place on both.
 //! 3. `graph`: points are interned by exact equality (`point`); a point on an edge is entered in the edge, which all its triangles
 //!    share; two points of a pair make a segment, which both triangles share, or a piece of an edge.
@@ -29,6 +30,7 @@ pub mod exact;
 mod graph;
 mod intersect;
 pub mod point;
+mod rests;
 mod subdivide;
 
 use crate::contact::conforming::{Conforming, Owner};
@@ -79,6 +81,8 @@ pub struct SubCells<'a> {
     /// For each piece, its list of owners: first those of the input's cells, then those of coinciding pieces.
     pub owners: Vec<u32>,
     coinciding: Vec<Vec<Owner>>,
+    /// Whether the fate of any piece is known.
+    has_fates: bool,
 }
 
 impl<'a> SubCells<'a> {
@@ -94,6 +98,7 @@ impl<'a> SubCells<'a> {
             triangle: one_each(),
             owners: one_each(),
             coinciding: Vec::new(),
+            has_fates: input.cells.iter().any(|c| c.fate != Fate::Live),
         }
     }
     /// Number of pieces.
@@ -122,7 +127,14 @@ impl<'a> SubCells<'a> {
     }
     /// What is known to become of a piece.
     pub fn fate_of(&self, cell: usize) -> Fate {
+        if !self.has_fates {
+            return Fate::Live;
+        }
         self.input.cells[self.input.cell_of_triangle[self.triangle[cell] as usize] as usize].fate
+    }
+    /// Whether the fate of any piece is known.
+    pub fn has_fates(&self) -> bool {
+        self.has_fates
     }
     /// All loops' vertices, one after the other; position k is a corner, the start of one directed edge.
     pub fn corners(&self) -> &[u32] {

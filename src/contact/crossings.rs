@@ -21,6 +21,8 @@ struct Meeting {
     /// For each edge, the parameters between which it is within the tolerance of the other, and somewhat more.
     windows: [[f64; 2]; 2],
     touch: Touch,
+    /// A point that both got.
+    common: u32,
 }
 
 enum Touch {
@@ -32,18 +34,19 @@ enum Touch {
 
 /// Gives all edges of different leaves that come within the tolerance common points, up to a fixpoint.
 pub(super) fn connect(body: &mut Body, set: &mut EdgeSet, pairs: &[[u32; 2]], names: Names) -> Outcome<()> {
-    let meetings = meetings(body, set, pairs);
-    for meeting in &meetings {
+    let mut meetings = meetings(body, set, pairs);
+    for meeting in &mut meetings {
         if let Touch::Ends(ends) = &meeting.touch {
             for &(k, s, point) in ends {
                 set.insert(meeting.edges[k], s, point);
+                meeting.common = point;
             }
         }
     }
-    for meeting in &meetings {
+    for meeting in &mut meetings {
         if let Touch::Across(x) = meeting.touch {
             let lines = meeting.edges.map(|e| set.ends(e, &body.points));
-            cross(body, set, &meeting.edges, &lines, meeting.tolerance, x);
+            meeting.common = cross(body, set, &meeting.edges, &lines, meeting.tolerance, x);
         }
     }
     set.sort();
@@ -146,9 +149,13 @@ fn meet(body: &Body, set: &EdgeSet, edges: [u32; 2], tolerance: f64) -> Option<M
         return None;
     }
     let width = 2.0 * tolerance * (1.0 + sides / area.max(f64::MIN_POSITIVE));
-    let window = |line: &[Vec3; 2], x: &Vec3| {
-        let (at, w) = (onto_line(line, x).0, width / (line[1] - line[0]).norm());
-        [at - w, at + w]
+    let window = |line: &[Vec3; 2], other: &[Vec3; 2], x: &Vec3| {
+        let along = line[1] - line[0];
+        let length = along.norm();
+        let at = |x: &Vec3| (x - line[0]).dot(&along) / (length * length);
+        let (s, t, reach) = (at(&other[0]), at(&other[1]), 2.0 * tolerance / length);
+        let (at, w) = (onto_line(line, x).0, width / length);
+        [(at - w).max(s.min(t) - reach), (at + w).min(s.max(t) + reach)]
     };
     let mut ends = Vec::new();
     for (receiver, line) in [(0, &p), (1, &q)] {
@@ -160,14 +167,26 @@ fn meet(body: &Body, set: &EdgeSet, edges: [u32; 2], tolerance: f64) -> Option<M
     }
     if let Some(end) = ends.first() {
         let x = body.points[end.2 as usize];
-        return Some(Meeting { edges, tolerance, windows: [window(&p, &x), window(&q, &x)], touch: Touch::Ends(ends) });
+        return Some(Meeting {
+            edges,
+            tolerance,
+            windows: [window(&p, &q, &x), window(&q, &p, &x)],
+            touch: Touch::Ends(ends),
+            common: u32::MAX,
+        });
     }
     // Two straight edges with a common end do not cross elsewhere.
     if ids[0].iter().any(|v| ids[1].contains(v)) {
         return None;
     }
     let x = across(&p, &q, tolerance)?;
-    Some(Meeting { edges, tolerance, windows: [window(&p, &x), window(&q, &x)], touch: Touch::Across(x) })
+    Some(Meeting {
+        edges,
+        tolerance,
+        windows: [window(&p, &q, &x), window(&q, &p, &x)],
+        touch: Touch::Across(x),
+        common: u32::MAX,
+    })
 }
 
 /// Where the insides of two segments come within the tolerance of each other, on the first.
@@ -181,8 +200,8 @@ pub(super) fn across(p: &[Vec3; 2], q: &[Vec3; 2], tolerance: f64) -> Option<Vec
 }
 
 /// Gives edges that cross `x`, on the first of the lines, a common point: one that is there already within the tolerance of all
-/// lines, else a new one. The first lines are those of the edges.
-pub(super) fn cross(body: &mut Body, set: &mut EdgeSet, edges: &[u32], lines: &[[Vec3; 2]], tolerance: f64, x: Vec3) {
+/// lines, else a new one. The first lines are those of the edges. Yields the point.
+pub(super) fn cross(body: &mut Body, set: &mut EdgeSet, edges: &[u32], lines: &[[Vec3; 2]], tolerance: f64, x: Vec3) -> u32 {
     let mut nearest: Option<(f64, u32)> = None;
     body.grid.near(&x, tolerance, |entry, distance| {
         let better = nearest.is_none_or(|(d, v)| (distance, entry.point) < (d, v));
@@ -204,11 +223,31 @@ pub(super) fn cross(body: &mut Body, set: &mut EdgeSet, edges: &[u32], lines: &[
     for (&edge, line) in edges.iter().zip(lines) {
         set.insert(edge, onto_line(line, &place).0, point);
     }
+    point
+}
+
+/// Whether two edges have the same points, in order, where they are near each other: edges along each other may have many.
+fn agree(set: &EdgeSet, meeting: &Meeting) -> bool {
+    let [a, b] = [0, 1].map(|k| {
+        let edge = &set.edges[meeting.edges[k] as usize];
+        let (inserted, [lo, hi]) = (&edge.inserted, meeting.windows[k]);
+        let first = inserted.partition_point(|i| i.0 < lo);
+        let other = set.edges[meeting.edges[1 - k] as usize].ends;
+        let near = &inserted[first..first + inserted[first..].partition_point(|i| i.0 <= hi)];
+        // An end of the one is no point between the ends of the other.
+        let is_end = |i: &(f64, u32)| other.contains(&i.1);
+        let near = &near[usize::from(near.first().is_some_and(is_end))..];
+        &near[..near.len() - usize::from(near.last().is_some_and(is_end))]
+    });
+    a.len() == b.len() && (a.iter().zip(b).all(|(x, y)| x.1 == y.1) || a.iter().zip(b.iter().rev()).all(|(x, y)| x.1 == y.1))
 }
 
 /// Points of one of two edges, if it has new ones, that belong on the other as well.
 fn carried(body: &Body, set: &EdgeSet, meeting: &Meeting, is_new: &[bool]) -> Vec<(u32, f64, u32)> {
     let mut found = Vec::new();
+    if meeting.edges.iter().all(|&e| !is_new[e as usize]) || agree(set, meeting) {
+        return found;
+    }
     for k in [0, 1] {
         let (from, to) = (meeting.edges[k], meeting.edges[1 - k]);
         if !is_new[from as usize] {
@@ -218,7 +257,8 @@ fn carried(body: &Body, set: &EdgeSet, meeting: &Meeting, is_new: &[bool]) -> Ve
         let inserted = &set.edges[from as usize].inserted;
         let first = inserted.partition_point(|i| i.0 < lo);
         let line = set.ends(to, &body.points);
-        for &(_, point) in inserted[first..].iter().take_while(|i| i.0 <= hi) {
+        let between = inserted[first..].iter().take_while(|i| i.0 <= hi).map(|i| i.1);
+        for point in between.filter(|&point| point != meeting.common) {
             let inside = inside_of(&line, &body.points[point as usize], meeting.tolerance);
             if let Some(s) = inside.filter(|_| set.lacks(to, point)) {
                 found.push((to, s, point));

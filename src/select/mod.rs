@@ -91,7 +91,9 @@ fn volumes(arrangement: &Arrangement, classified: &Classified, kept: &[bool]) ->
     let shell = |side: u32| classified.shells[side as usize / 2][side as usize % 2];
     let cell_of = |corner: u32| edges.cell_of[corner as usize] as usize;
     let mut alive = Vec::new();
-    for group in edges.groups().filter(|g| g.iter().any(|&c| fate(cell_of(c)) != Fate::Live)) {
+    let is_known = |group: &[u32]| group.iter().any(|&c| fate(cell_of(c)) != Fate::Live);
+    let groups = edges.groups().take_while(|_| arrangement.cells.has_fates());
+    for group in groups.filter(|g| is_known(g)) {
         alive.clear();
         alive.extend(group.iter().copied().filter(|&c| kept[cell_of(c)]));
         for [a, b] in edges.facing_in(&alive) {

@@ -1,0 +1,115 @@
+//! Triangles that touch a sheet in a coordinate plane only where the sheet has vertices and edges.
+//!
+//! Contact leaves the rim of a wall that stands on a cap as edges of both, and such caps lie exactly in a coordinate plane. Then
+//! no triangle of the wall meets one of the cap anywhere else, and none of their pairs need be looked at: of needles there may be
+//! a thousand times as many pairs as contacts.
+
+use super::graph::Mesh;
+use crate::geom::aabb::Aabb;
+use crate::geom::hash::IndexMap;
+
+const NONE: u32 = u32::MAX;
+
+/// A triangle of a box tree.
+#[derive(Clone, Copy, Debug)]
+pub struct Item {
+    /// Number of the triangle.
+    pub triangle: u32,
+    /// Its sheet.
+    pub sheet: u32,
+    /// The axis across which all of the sheet is level; 3 if there is none.
+    level: u8,
+    /// For the lower and upper side of its box along each axis: the sheet in that plane of which all its corners there are
+    /// vertices, and two of them the ends of an edge.
+    rests: [u32; 6],
+}
+
+impl Item {
+    /// Whether two triangles with these boxes touch in common vertices and edges only, since one rests on the other's sheet.
+    pub fn rests(&self, own: &Aabb, other: &Self, its: &Aabb) -> bool {
+        self.rests_on(own, other, its) || other.rests_on(its, self, own)
+    }
+
+    fn rests_on(&self, own: &Aabb, other: &Self, its: &Aabb) -> bool {
+        let k = usize::from(other.level);
+        if k == 3 {
+            return false;
+        }
+        (own.lo[k] == its.lo[k] && self.rests[2 * k] == other.sheet)
+            || (own.hi[k] == its.lo[k] && self.rests[2 * k + 1] == other.sheet)
+    }
+}
+
+/// Sheets that lie exactly in coordinate planes, with their vertices and edges.
+pub struct Level {
+    /// By sheet: bits of the axes across which it is level.
+    axes: Vec<u8>,
+    /// By point and axis: a sheet that is level across it and has the point.
+    at_point: Vec<[u32; 3]>,
+    /// By edge (smaller number first) and axis likewise.
+    at_edge: IndexMap<([u32; 2], u8), u32>,
+}
+
+impl Level {
+    /// Those of `triangles`. O(n).
+    pub fn new(mesh: &Mesh, triangles: &[u32]) -> Self {
+        let points = &mesh.input.points;
+        let count = triangles.iter().map(|&t| mesh.sheet_of(t) as usize + 1).max().unwrap_or(0);
+        let (mut axes, mut first) = (vec![0b111u8; count], vec![NONE; count]);
+        for &t in triangles {
+            let sheet = mesh.sheet_of(t) as usize;
+            let corners = mesh.triangles[t as usize];
+            if first[sheet] == NONE {
+                first[sheet] = corners[0];
+            }
+            let at = &points[first[sheet] as usize];
+            for k in 0..3 {
+                let is_level = corners.iter().all(|&v| points[v as usize][k] == at[k]);
+                axes[sheet] &= !(u8::from(!is_level) << k);
+            }
+        }
+        let mut level = Self { axes, at_point: vec![[NONE; 3]; points.len()], at_edge: IndexMap::default() };
+        for &t in triangles {
+            let sheet = mesh.sheet_of(t);
+            let axis = level.axis(sheet);
+            if axis == 3 {
+                continue;
+            }
+            let corners = mesh.triangles[t as usize];
+            for k in 0..3 {
+                let (a, b) = (corners[k], corners[(k + 1) % 3]);
+                level.at_point[a as usize][usize::from(axis)] = sheet;
+                level.at_edge.insert(([a.min(b), a.max(b)], axis), sheet);
+            }
+        }
+        level
+    }
+
+    fn axis(&self, sheet: u32) -> u8 {
+        self.axes[sheet as usize].trailing_zeros().min(3) as u8
+    }
+
+    /// A triangle with its box.
+    pub fn item(&self, mesh: &Mesh, triangle: u32, bounds: &Aabb) -> Item {
+        let corners = mesh.triangles[triangle as usize];
+        let sheet = mesh.sheet_of(triangle);
+        let rests = std::array::from_fn(|side| {
+            let (axis, limit) = (side / 2, if side % 2 == 0 { &bounds.lo } else { &bounds.hi });
+            let is_there = |v: u32| mesh.input.points[v as usize][axis] == limit[axis];
+            match corners.map(is_there) {
+                [true, false, false] => self.at_point[corners[0] as usize][axis],
+                [false, true, false] => self.at_point[corners[1] as usize][axis],
+                [false, false, true] => self.at_point[corners[2] as usize][axis],
+                [true, true, false] => self.of_edge(corners[0], corners[1], axis),
+                [false, true, true] => self.of_edge(corners[1], corners[2], axis),
+                [true, false, true] => self.of_edge(corners[2], corners[0], axis),
+                _ => NONE,
+            }
+        });
+        Item { triangle, sheet, level: self.axis(sheet), rests }
+    }
+
+    fn of_edge(&self, a: u32, b: u32, axis: usize) -> u32 {
+        self.at_edge.get(&([a.min(b), a.max(b)], axis as u8)).copied().unwrap_or(NONE)
+    }
+}
