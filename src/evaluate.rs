@@ -96,6 +96,8 @@ fn evaluate_pieces(
     let (mut conforming, mut warnings) = timings.measure("contact", || conform(scene, cut, pieces, size))?;
     let tolerance = conforming.tolerance;
     warnings.extend(timings.measure("gaps", || findings::gaps(scene, cut, &conforming))?);
+    // A tenth of the memory of a large model, and nobody needs it any more.
+    conforming.trees = Default::default();
     for owner in conforming.cells.iter_mut().flat_map(|c| &mut c.owners) {
         owner.facet = pieces.get(owner.leaf.index()).map_or(owner.facet, |p| p[owner.facet as usize].facet);
     }
@@ -104,6 +106,7 @@ fn evaluate_pieces(
     let selected = timings.measure("select", || select::select(scene, solids, &arrangement, &classified));
     findings::overlaps(scene, &arrangement, &classified, &selected)?;
     warnings.extend(findings::empty_parts(scene, &selected)?);
+    drop(classified);
     let rounded = timings.measure("round", || round::round(selected, &arrangement, solids, tolerance, size)).map_err(single)?;
     match rounded {
         Rounded::Valid { complex, repairs } => {

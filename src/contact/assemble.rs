@@ -18,9 +18,11 @@ pub(super) fn assemble(body: &Body, mut sheets: Sheets, tolerance: f64, names: N
     for (k, sheet) in sheets.sheets.iter().enumerate() {
         sheet_at[sheets.outlines[sheet.members[0] as usize].facet as usize] = k as u32;
     }
-    // Facets without a contact stand for themselves, sheets at their first member.
+    // Sheets stand at their first member, facets without a contact for themselves: those that are one triangle need no draft.
+    let is_alone = |f: u32| sheets.slot[f as usize] == u32::MAX;
+    let alone: Vec<u32> = (0..body.facet_count() as u32).filter(|&f| is_alone(f) && body.is_triangle(f)).collect();
     let starts: Vec<u32> = (0..body.facet_count() as u32)
-        .filter(|&f| sheets.slot[f as usize] == u32::MAX || sheet_at[f as usize] != u32::MAX)
+        .filter(|&f| if is_alone(f) { !body.is_triangle(f) } else { sheet_at[f as usize] != u32::MAX })
         .collect();
     let reach = body.tolerances.iter().fold(0.0, |m: f64, &t| m.max(t));
     let draft = |&f: &u32| -> Result<Vec<Draft>, (u32, Tangled)> {
@@ -40,6 +42,7 @@ pub(super) fn assemble(body: &Body, mut sheets: Sheets, tolerance: f64, names: N
     let mut errors = Tally::default();
     let mut all =
         Collector { last: IndexMap::with_capacity_and_hasher(starts.len(), Default::default()), ..Default::default() };
+    all.drafts.reserve(starts.len());
     for (mut found, &start) in drafts.into_iter().zip(&starts) {
         found.iter_mut().flatten().for_each(|d| d.sheet = start);
         if let (Ok([whole]), Some(sheet)) = (found.as_deref_mut(), sheets.sheets.get(sheet_at[start as usize] as usize))
@@ -52,12 +55,26 @@ pub(super) fn assemble(body: &Body, mut sheets: Sheets, tolerance: f64, names: N
             Err((facet, tangled)) => errors.add(body.leaf(facet), || unresolved(body, facet, tangled, names)),
         }
     }
-    if !errors.is_empty() {
-        return Err(errors.finish().into_iter().take(MAX_MESSAGES).collect());
-    }
     // Contact moves a vertex within the coarser tolerance: then also towards leaves for which a finer one holds.
     let is_uniform = body.tolerances.windows(2).all(|w| w[0] == w[1]);
-    Ok(finish(body, all.drafts, tolerance, |facet| !is_uniform || sheets.slot[facet as usize] != u32::MAX))
+    let is_near = |facet: u32| !is_uniform || sheets.slot[facet as usize] != u32::MAX;
+    let mut out = Conforming { points: body.points.clone(), tolerance, ..Conforming::default() };
+    out.cells.reserve(all.drafts.len() + alone.len());
+    let mut rest = alone.into_iter().peekable();
+    let mut finish_alone = |until: u32, out: &mut Conforming| {
+        while let Some(f) = rest.next_if(|&f| f < until) {
+            match cells::plain(f, body.loops(f), body) {
+                Ok(draft) => finish(body, Draft { sheet: f, ..draft }, is_near, out),
+                Err(tangled) => errors.add(body.leaf(f), || unresolved(body, f, tangled, names)),
+            }
+        }
+    };
+    for draft in all.drafts {
+        finish_alone(draft.sheet, &mut out);
+        finish(body, draft, is_near, &mut out);
+    }
+    finish_alone(u32::MAX, &mut out);
+    if errors.is_empty() { Ok(out) } else { Err(errors.finish().into_iter().take(MAX_MESSAGES).collect()) }
 }
 
 /// For every point, whether facets of several leaves may have it.
@@ -165,29 +182,26 @@ fn outline_key(loops: &[Vec<u32>]) -> (Vec<u32>, bool) {
     (key, is_reversed)
 }
 
-fn finish(body: &Body, drafts: Vec<Draft>, tolerance: f64, is_near: impl Fn(u32) -> bool) -> Conforming {
-    let mut out = Conforming { points: body.points.clone(), tolerance, ..Conforming::default() };
-    out.cells.reserve(drafts.len());
-    for mut draft in drafts {
-        draft.owners.sort_unstable();
-        if draft.owners.first().is_some_and(|o| o.is_flipped) {
-            draft.owners.iter_mut().for_each(|o| o.is_flipped = !o.is_flipped);
-            draft.loops.iter_mut().for_each(|w| w.reverse());
-            draft.triangles.iter_mut().for_each(|t| t.swap(1, 2));
-        }
-        out.cell_of_triangle.resize(out.triangles.len() + draft.triangles.len(), out.cells.len() as u32);
-        out.triangles.extend(&draft.triangles);
-        let fate = |o: &Owner| {
-            let fate = body.fate(body.first_facet[o.leaf.0 as usize] + o.facet);
-            if o.is_flipped { fate.turned() } else { fate }
-        };
-        out.cells.push(Cell {
-            fate: draft.owners.iter().map(fate).find(|f| *f != Fate::Live).unwrap_or_default(),
-            is_near: draft.owners.iter().any(|o| is_near(body.first_facet[o.leaf.0 as usize] + o.facet)),
-            owners: draft.owners,
-            loops: draft.loops,
-            sheet: draft.sheet,
-        });
+/// Adds a draft as a cell.
+fn finish(body: &Body, mut draft: Draft, is_near: impl Fn(u32) -> bool, out: &mut Conforming) {
+    draft.owners.sort_unstable();
+    if draft.owners.first().is_some_and(|o| o.is_flipped) {
+        draft.owners.iter_mut().for_each(|o| o.is_flipped = !o.is_flipped);
+        draft.loops.iter_mut().for_each(|w| w.reverse());
+        draft.triangles.iter_mut().for_each(|t| t.swap(1, 2));
     }
-    out
+    out.cell_of_triangle.resize(out.triangles.len() + draft.triangles.len(), out.cells.len() as u32);
+    out.triangles.extend(&draft.triangles);
+    let facet = |o: &Owner| body.first_facet[o.leaf.0 as usize] + o.facet;
+    let fate = |o: &Owner| {
+        let fate = body.fate(facet(o));
+        if o.is_flipped { fate.turned() } else { fate }
+    };
+    out.cells.push(Cell {
+        fate: draft.owners.iter().map(fate).find(|f| *f != Fate::Live).unwrap_or_default(),
+        is_near: draft.owners.iter().any(|o| is_near(facet(o))),
+        owners: draft.owners,
+        loops: draft.loops,
+        sheet: draft.sheet,
+    });
 }

@@ -81,6 +81,10 @@ impl<'a> Body<'a> {
         let leaf = self.leaf_of_facet[facet as usize];
         &self.solids[leaf as usize].facets[(facet - self.first_facet[leaf as usize]) as usize].loops
     }
+    /// Whether a facet is one triangle.
+    pub fn is_triangle(&self, facet: u32) -> bool {
+        matches!(self.own_loops(facet), [walk] if walk.len() == 3)
+    }
     /// The point of each vertex of the facet's leaf.
     pub fn points_of_leaf(&self, leaf: u32) -> &[u32] {
         &self.point_of_vertex[self.first_vertex[leaf as usize] as usize..self.first_vertex[leaf as usize + 1] as usize]
@@ -98,11 +102,6 @@ impl<'a> Body<'a> {
         let Some(&first) = loops.first().and_then(|w| w.first()) else { return Vec3::zeros() };
         let side = |[a, b]: [u32; 2]| (at(a) - at(first)).cross(&(at(b) - at(first)));
         sides(loops).map(side).sum::<Vec3>().try_normalize(0.0).unwrap_or(Vec3::zeros())
-    }
-    /// The box of the first corner of a facet before the weld.
-    pub fn corner_bounds(&self, facet: u32) -> Aabb {
-        let vertices = &self.solids[self.leaf_of_facet[facet as usize] as usize].vertices;
-        Aabb::around(self.own_loops(facet).iter().flatten().take(1).map(|&v| &vertices[v as usize].point))
     }
     /// The box of a facet before the weld.
     pub fn bounds(&self, facet: u32) -> Aabb {

@@ -29,8 +29,8 @@ impl FacetTrees {
         }
         let tree = |leaf: usize| {
             let facets = body.first_facet[leaf]..body.first_facet[leaf + 1];
-            // What is set aside is out of the way in a corner of itself.
-            let bounds = |f: u32| if body.fate(f).is_aside() { body.corner_bounds(f) } else { body.bounds(f) };
+            // What is set aside is nowhere.
+            let bounds = |f: u32| if body.fate(f).is_aside() { Aabb::EMPTY } else { body.bounds(f) };
             if has_neighbour[leaf] { Bvh::new(facets.map(bounds).collect()) } else { Bvh::default() }
         };
         found.trees = if body.facet_count() >= PARALLEL_FROM {
@@ -50,9 +50,7 @@ impl FacetTrees {
         let search = |found: &mut Vec<u64>, &[a, b]: &[u32; 2]| {
             let (i, j) = (body.first_facet[a as usize], body.first_facet[b as usize]);
             self.visit([a, b], margin(a, b), |f, g| {
-                if !body.fate(i + f).is_aside() && !body.fate(j + g).is_aside() {
-                    found.push(u64::from(i + f) << 32 | u64::from(j + g));
-                }
+                found.push(u64::from(i + f) << 32 | u64::from(j + g));
                 ControlFlow::Continue(())
             });
         };
