@@ -93,6 +93,9 @@ impl Level {
     pub fn item(&self, mesh: &Mesh, triangle: u32, bounds: &Aabb) -> Item {
         let corners = mesh.triangles[triangle as usize];
         let sheet = mesh.sheet_of(triangle);
+        if corners.iter().all(|&v| self.at_point[v as usize] == [NONE; 3]) {
+            return Item { triangle, sheet, level: self.axis(sheet), rests: [NONE; 6] };
+        }
         let rests = std::array::from_fn(|side| {
             let (axis, limit) = (side / 2, if side % 2 == 0 { &bounds.lo } else { &bounds.hi });
             let is_there = |v: u32| mesh.input.points[v as usize][axis] == limit[axis];

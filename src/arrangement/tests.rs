@@ -1,6 +1,7 @@
 use super::*;
 use crate::contact::conforming::Cell;
 use crate::geom::Vec3;
+use crate::geom::aabb::Aabb;
 use crate::geom::polygon;
 use crate::ids::LeafId;
 
@@ -83,6 +84,33 @@ fn overlapping_faces_become_common_pieces() {
     assert_closed(&a, 0);
     assert_closed(&a, 1);
     assert!((area(&a) - (96.0 + 16.0 - 4.0)).abs() < 1e-12);
+}
+
+/// Pairs of a wall of an upper box and the cap of the lower one that are settled because the wall rests on the cap's rim.
+fn settled(upper: [[f64; 3]; 2]) -> usize {
+    let input = boxes(&[[[0., 0., 0.], [4., 4., 4.]], upper]);
+    let mesh = graph::Mesh::new(&input);
+    let facet = |t: u32| (mesh.leaf_of(t), mesh.owners(t)[0].facet);
+    // Contact would make one sheet of the cap and what stands on it.
+    let compared: Vec<u32> = mesh.near.iter().copied().filter(|&t| facet(t) != (1, 0)).collect();
+    let level = rests::Level::new(&mesh, &compared);
+    let item = |t: u32| {
+        let bounds = Aabb::around(mesh.triangles[t as usize].map(|v| &input.points[v as usize]));
+        (level.item(&mesh, t, &bounds), bounds)
+    };
+    let of = |leaf: u32, range: std::ops::Range<u32>| {
+        compared.iter().filter(move |&&t| facet(t).0 == leaf && range.contains(&facet(t).1)).map(|&t| item(t))
+    };
+    of(1, 2..6).flat_map(|wall| of(0, 1..2).map(move |cap| wall.0.rests(&wall.1, &cap.0, &cap.1))).filter(|&s| s).count()
+}
+
+#[test]
+fn a_wall_rests_on_a_rim_and_not_across_it() {
+    // Eight triangles of walls and two of the cap.
+    assert_eq!(settled([[0., 0., 4.], [4., 4., 6.]]), 16);
+    // Corners inside the cap and beyond; a wall that goes through.
+    assert_eq!(settled([[1., 1., 4.], [4., 5., 6.]]), 0);
+    assert_eq!(settled([[0., 0., 3.], [4., 4., 6.]]), 0);
 }
 
 #[test]

@@ -130,4 +130,30 @@ mod tests {
         assert_eq!(cut(&mut facets, &[0], &places, 1e-15), [0, 1]);
         assert_eq!(facets, [vec![], vec![vec![1, 2, 0, 3]]]);
     }
+
+    #[test]
+    fn an_edge_from_rim_to_rim_is_listed_and_parts_the_facet() {
+        let point = |x: f64, y: f64| crate::brep::complex::ComplexVertex {
+            point: Vec3::new(x, y, 0.0),
+            freedom: crate::primitive::solid::Freedom::Fixed,
+        };
+        let v = |walk: &[u32]| walk.iter().map(|&v| VertexId(v)).collect::<Vec<_>>();
+        let facet = ComplexFacet {
+            loops: vec![v(&[0, 1, 2, 3])],
+            triangles: vec![[0, 1, 2].map(VertexId), [0, 2, 3].map(VertexId)],
+            sides: [crate::ids::RegionId(0), crate::ids::RegionId(1)],
+            surface: crate::ids::SurfaceId(0),
+            source: (crate::ids::LeafId(0), 0),
+            marker: crate::ids::MarkerId(0),
+            is_modified: false,
+        };
+        let mut complex = Complex {
+            vertices: vec![point(0., 0.), point(4., 0.), point(4., 4.), point(0., 4.)].into(),
+            facets: vec![facet].into(),
+            ..Complex::default()
+        };
+        list(&mut complex, vec![(FacetId(0), [VertexId(0), VertexId(2)])]);
+        let found: Vec<_> = complex.facets.iter().map(|f| (f.loops.clone(), f.triangles.len(), f.is_modified)).collect();
+        assert_eq!(found, [(vec![v(&[0, 1, 2])], 1, true), (vec![v(&[0, 2, 3])], 1, true)]);
+    }
 }
