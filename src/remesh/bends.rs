@@ -165,21 +165,27 @@ impl Workpiece {
             if places.is_empty() {
                 continue;
             }
-            let ring = self.ring(vertex);
-            let places = places.into_iter();
-            let allowed: Vec<_> =
-                places.filter_map(|(is_slide, to)| Some((is_slide, to, self.bent(vertex, &ring, &to, aim)?))).collect();
-            if allowed.is_empty() {
-                continue;
-            }
-            let star: Vec<FacetId> = ring.facets().collect();
+            // What a place mends first: it costs a fraction of a look at the supports.
+            let star = self.star(vertex);
             let weak = self.weak_around(&star, aim);
-            for (is_slide, to, after) in allowed {
+            let mut useful = Vec::new();
+            for (is_slide, to) in places {
                 let from = std::mem::replace(&mut self.brep.vertices[vertex].point, to);
                 let mended = weak.saturating_sub(self.weak_around(&star, aim));
                 self.brep.vertices[vertex].point = from;
-                let rank = (is_slide, Reverse(mended), after.cosine);
-                if mended > 0 && best.as_ref().is_none_or(|b| rank < b.0) {
+                if mended > 0 {
+                    useful.push((is_slide, Reverse(mended), to));
+                }
+            }
+            if useful.is_empty() {
+                continue;
+            }
+            let ring = self.ring(vertex);
+            for (is_slide, mended, to) in useful {
+                let is_late = best.as_ref().is_some_and(|((slide, most, _), ..)| (is_slide, mended) > (*slide, *most));
+                let Some(after) = (!is_late).then(|| self.bent(vertex, &ring, &to, aim)).flatten() else { continue };
+                let rank = (is_slide, mended, after.cosine);
+                if best.as_ref().is_none_or(|b| rank < b.0) {
                     best = Some((rank, vertex, to));
                 }
             }

@@ -26,6 +26,9 @@ const PER_STRIP: f64 = 1.2;
 /// Smallest wanted length as a fraction of the model's size: keeps apexes finite.
 const LEAST_SIZE: f64 = 1e-4;
 
+/// Wanted length as a fraction of the model's size from which a place is taken for no apex.
+const LARGE_SIZE: f64 = 0.1;
+
 /// The default bound over the mean deviation of the facets as evaluated: their chords touch the surface along rulings, triangles of
 /// that size only in corners. At 1.5 triangles are as wide as the strips were; with 1, TetGen needs a third more tetrahedra, with 2
 /// no fewer. (Gmsh and Netgen leave 1.5 to 2.5 times the chord error.)
@@ -104,6 +107,8 @@ pub(super) struct Limits {
     /// By surface: surfaces that share a curve with it, sorted.
     touching: Vec<Vec<SurfaceId>>,
     least: f64,
+    /// A length that no apex asks for.
+    large: f64,
     max_edge: Vec<f64>,
 }
 
@@ -134,7 +139,14 @@ impl Limits {
             list.dedup();
         }
         let boxes = triangles.iter().map(|t: &([Vec3; 3], SurfaceId)| Aabb::around(t.0.iter())).collect();
-        Self { tree: Bvh::new(boxes), triangles, touching, least: LEAST_SIZE * size, max_edge: lengths }
+        Self {
+            tree: Bvh::new(boxes),
+            triangles,
+            touching,
+            least: LEAST_SIZE * size,
+            large: LARGE_SIZE * size,
+            max_edge: lengths,
+        }
     }
 
     /// The wanted length, at most `length`, at a point of some surfaces.
@@ -164,7 +176,7 @@ impl Workpiece {
         let mut size = f64::INFINITY;
         for &id in &surfaces {
             let Some(s) = self.supports[id].as_deref() else { continue };
-            size = size.min(self.shares[id.index()].sqrt() * SAFETY * self.length_near(s, &point, &star));
+            size = size.min(self.shares[id.index()].sqrt() * SAFETY * self.length_near(s, &point, &star, limits));
         }
         if let Place::Curve(c) = self.place(vertex)
             && let Some(foot) = self.curves[c].closest(&point)
@@ -196,12 +208,16 @@ impl Workpiece {
 
     /// Length on a support near a point. At an apex, where the curvature has no bound, the length that is right at its own
     /// distance from there.
-    fn length_near(&self, support: &Support, point: &Vec3, star: &[FacetId]) -> f64 {
+    fn length_near(&self, support: &Support, point: &Vec3, star: &[FacetId], limits: &Limits) -> f64 {
         let length_at = |p: &Vec3| {
             let foot = support.closest(p);
             length_on(&foot, self.bound.along(foot.largest_curvature()))
         };
         let here = length_at(point);
+        // No apex, and what is far off on a fitted surface is expensive to find.
+        if here >= limits.large {
+            return here;
+        }
         let middle = star.iter().filter_map(|&f| self.corners(f)).flatten().map(|v| self.point(v) - point).sum::<Vec3>();
         let Some(away) = middle.try_normalize(0.0) else { return here };
         // Fixed point of length = length_at(distance length); a square root near an apex, so that few steps do.
