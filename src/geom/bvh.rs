@@ -85,9 +85,15 @@ impl Bvh {
             }
             let node = &self.nodes[n as usize];
             if node.count == 0 {
-                let [left, right] = [n + 1, node.first].map(|c| (gap(&self.nodes[c as usize].bounds), c));
+                let child = |c: u32| (gap(&self.nodes[c as usize].bounds), c);
+                let (left, right) = (child(n + 1), child(node.first));
                 let (near, far) = if left.0 <= right.0 { (left, right) } else { (right, left) };
-                stack.extend([far, near].into_iter().filter(|c| c.0 <= best.0));
+                if far.0 <= best.0 {
+                    stack.push(far);
+                }
+                if near.0 <= best.0 {
+                    stack.push(near);
+                }
                 continue;
             }
             for &i in self.items_of(node) {

@@ -6,7 +6,7 @@
 //! 2 x 2 spans) and dense, so it is solved by Cholesky's method instead of the multigrid of the thesis' library.
 
 use super::plane::Plane;
-use super::support::{Foot, any_normal_to, bending_of_level};
+use super::support::{Foot, Nearest, any_normal_to, bending_of_level};
 use crate::geom::Vec3;
 use nalgebra::{DMatrix, DVector, Matrix3};
 
@@ -97,21 +97,7 @@ impl BsplinePatch {
 
     /// The closest point of the patch; outside of the domain the patch goes on straight.
     pub fn closest(&self, point: &Vec3) -> Foot {
-        let relative = point - self.plane.origin;
-        let target = self.axes.map(|a| a.dot(&relative));
-        let height = self.plane.height(point);
-        let enough = ACCURACY * (self.span[0] + self.span[1]);
-        let mut q = target;
-        let mut at = self.height(q);
-        for _ in 0..MAX_STEPS {
-            let step = self.step_to_foot(q, &at, target, height);
-            q = [q[0] + step[0], q[1] + step[1]];
-            at = self.height(q);
-            if libm::hypot(step[0], step[1]) <= enough {
-                break;
-            }
-        }
-        let (h, g, hess) = at;
+        let (q, (h, g, hess)) = self.foot(point);
         let n = self.plane.normal;
         let [u, v] = self.axes;
         let gradient = n - u * g[0] - v * g[1];
@@ -122,6 +108,41 @@ impl BsplinePatch {
             normal: gradient.normalize(),
             bending: bending_of_level(&gradient, &hessian),
         }
+    }
+
+    /// The closest point as [`BsplinePatch::closest`] gives it; the curvature from the fundamental forms.
+    pub fn nearest(&self, point: &Vec3) -> Nearest {
+        let (q, (h, g, hess)) = self.foot(point);
+        let n = self.plane.normal;
+        let [u, v] = self.axes;
+        let (e, f, k) = (1.0 + g[0] * g[0], g[0] * g[1], 1.0 + g[1] * g[1]);
+        let square = e * k - f * f;
+        let mean = 0.5 * (e * hess[2] - 2.0 * f * hess[1] + k * hess[0]) / (square * square.sqrt());
+        let gauss = (hess[0] * hess[2] - hess[1] * hess[1]) / (square * square);
+        Nearest {
+            point: self.plane.origin + u * q[0] + v * q[1] + n * h,
+            normal: (n - u * g[0] - v * g[1]) / square.sqrt(),
+            curvature: mean.abs() + (mean * mean - gauss).max(0.0).sqrt(),
+        }
+    }
+
+    /// Plane coordinates of the closest point, and the height there.
+    fn foot(&self, point: &Vec3) -> ([f64; 2], Height) {
+        let relative = point - self.plane.origin;
+        let target = [self.axes[0].dot(&relative), self.axes[1].dot(&relative)];
+        let height = self.plane.height(point);
+        let enough = ACCURACY * (self.span[0] + self.span[1]);
+        let mut q = target;
+        let mut at = self.height(q);
+        for _ in 0..MAX_STEPS {
+            let step = self.step_to_foot(q, &at, target, height);
+            q = [q[0] + step[0], q[1] + step[1]];
+            at = self.height(q);
+            if step[0] * step[0] + step[1] * step[1] <= enough * enough {
+                break;
+            }
+        }
+        (q, at)
     }
 
     /// Newton's step of half the square of the distance, whose gradient is q - target - rest g and whose Hessian I + g g' - rest H;
@@ -229,6 +250,23 @@ mod tests {
             Vec3::new(x, y, (radius * radius - x * x - y * y).sqrt())
         };
         (-2..=2).flat_map(|i| (-1..=1).map(move |j| (i, j))).map(|(i, j)| (at(i, j), 1.0)).collect()
+    }
+
+    #[test]
+    fn nearest_is_closest() {
+        let plane = Plane { origin: Vec3::new(0.0, 0.0, 10.0), normal: Vec3::z() };
+        let patch = BsplinePatch::fit(plane, &sphere_samples(10.0, 1.0), Energy::ThinPlate).unwrap();
+        for p in [Vec3::new(0.3, -0.7, 9.0), Vec3::new(1.5, 0.9, 11.0), Vec3::new(4.0, 0.0, 10.0)] {
+            let (foot, near) = (patch.closest(&p), patch.nearest(&p));
+            assert_eq!(foot.point, near.point);
+            assert!((foot.normal - near.normal).norm() < 1e-14);
+            assert!(
+                (foot.largest_curvature() - near.curvature).abs() < 1e-12,
+                "{} {}",
+                foot.largest_curvature(),
+                near.curvature
+            );
+        }
     }
 
     #[test]

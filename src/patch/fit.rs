@@ -4,7 +4,7 @@ use super::analytic::support_of_shape;
 use super::bspline::BsplinePatch;
 use super::plane::Plane;
 use super::sample::Sample;
-use super::support::{Foot, Support};
+use super::support::{Foot, Nearest, Support};
 use crate::brep::complex::Complex;
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
@@ -82,6 +82,18 @@ impl FittedSurface {
                 foot
             }
             None => Foot { point: *point, normal: Vec3::z(), bending: nalgebra::Matrix3::zeros() },
+        }
+    }
+
+    pub(super) fn nearest(&self, point: &Vec3) -> Nearest {
+        let triangle = self.nearest_triangle(point);
+        match triangle.map(|t| &self.patches[self.patch_of_triangle[t as usize] as usize]) {
+            Some(LocalPatch::Plane(plane)) => plane.nearest(point),
+            Some(LocalPatch::Bspline { patch, most_curved }) => {
+                let near = patch.nearest(point);
+                Nearest { curvature: near.curvature.min(*most_curved), ..near }
+            }
+            None => Nearest { point: *point, normal: Vec3::z(), curvature: 0.0 },
         }
     }
 

@@ -129,7 +129,8 @@ impl Support {
             Self::Plane(s) => s.nearest(point),
             Self::Cone(s) => s.nearest(point),
             Self::Ellipsoid(s) => s.nearest(point),
-            Self::Torus(_) | Self::Image(_) | Self::Fitted(_) => self.closest(point).into(),
+            Self::Fitted(s) => s.nearest(point),
+            Self::Torus(_) | Self::Image(_) => self.closest(point).into(),
         }
     }
 

@@ -73,6 +73,8 @@ use std::sync::Arc;
 use verify::Fault;
 use workpiece::Workpiece;
 
+type Supports = IdVec<SurfaceId, Option<Arc<Support>>>;
+
 /// Attempts at most; each one gives up something where facets met in the one before.
 const ATTEMPTS: usize = 8;
 /// Share of the deviation bound of surfaces on which facets met.
@@ -106,7 +108,7 @@ pub fn remesh(complex: Complex, options: &RemeshOptions, parts: &IdVec<PartId, P
         let mut work = Workpiece::new(complex.clone(), supports.clone(), retreat.shares.clone(), retreat.choice.clone())?;
         work.remesh(options, parts);
         let faults = work.faults();
-        let is_last = !retreat.give_up(&faults, &complex) || left == 0;
+        let is_last = !retreat.give_up(&faults, &complex, &supports) || left == 0;
         if is_last && faults.iter().all(|f| !f.is_contact) {
             let mut done = work.brep.to_complex();
             straight::cut_unsound(&mut done);
@@ -130,10 +132,11 @@ struct Retreat {
 }
 
 impl Retreat {
-    /// A surface whose facets meet others for the first time is to keep closer to its true shape; after that, and where there are
-    /// needles, its facets stay as they are. Whether anything was given up.
-    fn give_up(&mut self, faults: &[Fault], complex: &Complex) -> bool {
-        let is_new = |f: &&Fault| f.is_contact && self.shares[f.surface.index()] == 1.0;
+    /// A surface whose facets meet others for the first time is to keep closer to its true shape, if that is known; after that, and
+    /// where there are needles, its facets stay as they are. Whether anything was given up.
+    fn give_up(&mut self, faults: &[Fault], complex: &Complex, supports: &Supports) -> bool {
+        let is_exact = |s: SurfaceId| supports[s].as_ref().is_some_and(|s| !s.is_fitted());
+        let is_new = |f: &&Fault| f.is_contact && self.shares[f.surface.index()] == 1.0 && is_exact(f.surface);
         let (new, again): (Vec<&Fault>, Vec<&Fault>) = faults.iter().partition(is_new);
         for fault in &new {
             self.shares[fault.surface.index()] = CLOSER_SHARE;
@@ -157,12 +160,7 @@ impl Retreat {
 }
 
 impl Workpiece {
-    fn new(
-        complex: Complex,
-        supports: IdVec<SurfaceId, Option<Arc<Support>>>,
-        shares: Vec<f64>,
-        choice: Choice,
-    ) -> Outcome<Self> {
+    fn new(complex: Complex, supports: Supports, shares: Vec<f64>, choice: Choice) -> Outcome<Self> {
         let size = Aabb::around(complex.vertices.iter().map(|v| &v.point)).diagonal();
         Ok(Self {
             brep: Brep::from_complex(complex)?,
