@@ -1,6 +1,5 @@
 //! The command line: definitions only.
 
-use crate::scene::model::RemeshMode;
 use clap::{Args, Parser, Subcommand};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -161,6 +160,17 @@ pub enum Template {
     SphereInBox,
 }
 
+/// Modes of the remesher.
+#[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Remesh {
+    /// All curved facets.
+    Full,
+    /// Curved facets near curves that an intersection made.
+    Interfaces,
+    /// None.
+    Off,
+}
+
 /// Versions of Gmsh's format.
 #[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
 pub enum MshVersion {
@@ -178,9 +188,9 @@ pub struct Changes {
     /// Set a parameter of the scene, e.g. --set gap=0.8mm; may be given several times.
     #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
     pub set: Vec<(String, String)>,
-    /// Which curved facets are remeshed: full, interfaces, or off [default: the scene's, else interfaces].
-    #[arg(long, value_name = "MODE", value_parser = remesh_mode)]
-    pub remesh: Option<RemeshMode>,
+    /// Which curved facets are remeshed [default: the scene's, else interfaces].
+    #[arg(long, value_enum, value_name = "MODE")]
+    pub remesh: Option<Remesh>,
 }
 
 /// Options of every command.
@@ -204,16 +214,6 @@ fn assignment(text: &str) -> Result<(String, String), String> {
             Ok((name.trim().to_owned(), value.trim().to_owned()))
         }
         _ => Err("expected NAME=VALUE, e.g. gap=0.8mm".to_owned()),
-    }
-}
-
-/// A mode of the remesher, in lower or upper case.
-fn remesh_mode(text: &str) -> Result<RemeshMode, String> {
-    match text.to_ascii_lowercase().as_str() {
-        "full" => Ok(RemeshMode::Full),
-        "interfaces" => Ok(RemeshMode::Interfaces),
-        "off" => Ok(RemeshMode::Off),
-        _ => Err("expected full, interfaces or off".to_owned()),
     }
 }
 

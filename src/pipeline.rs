@@ -2,7 +2,6 @@
 
 use crate::arrangement::Statistics;
 use crate::brep::complex::Complex;
-use crate::cli::Changes;
 use crate::diag::{Diagnostic, Outcome};
 use crate::evaluate;
 use crate::io::manifest::Manifest;
@@ -12,7 +11,8 @@ use crate::primitive;
 use crate::remesh;
 use crate::report::timing::Timings;
 use crate::round::Repairs;
-use crate::scene::{self, Limits, model::Scene};
+use crate::scene::model::{RemeshMode, Scene};
+use crate::scene::{self, Limits};
 use std::path::Path;
 
 /// A built scene.
@@ -37,14 +37,23 @@ pub struct Model {
     pub timings: Timings,
 }
 
-/// Builds the scene at `path` with what the command line changes; `timings` is empty and is carried through.
+/// What is set from outside of the scene.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Overrides<'a> {
+    /// Parameters and their values.
+    pub set: &'a [(String, String)],
+    /// What is remeshed, if not what the scene says.
+    pub remesh: Option<RemeshMode>,
+}
+
+/// Builds the scene at `path` with what is set from outside; `timings` is empty and is carried through.
 ///
 /// # Errors
 /// All faults that the first failing stage found, after the warnings of the stages before.
-pub fn run(path: &Path, changes: &Changes, mut timings: Timings) -> Outcome<Model> {
-    let loaded = timings.measure("scene", || scene::load(path, &changes.set, &Limits::default()))?;
+pub fn run(path: &Path, overrides: Overrides, mut timings: Timings) -> Outcome<Model> {
+    let loaded = timings.measure("scene", || scene::load(path, overrides.set, &Limits::default()))?;
     let (mut scene, warnings) = (loaded.scene, loaded.warnings);
-    scene.remesh.mode = changes.remesh.unwrap_or(scene.remesh.mode);
+    scene.remesh.mode = overrides.remesh.unwrap_or(scene.remesh.mode);
     // Inside the pool of threads, so that each parallel loop does not have to wake it.
     rayon::scope(|_| build(scene, warnings.clone(), timings)).map_err(|faults| [warnings, faults].concat())
 }

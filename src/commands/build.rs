@@ -1,6 +1,6 @@
 //! `gsm build`: from a scene to .poly and manifest.
 
-use super::session::{Exit, Session};
+use super::session::{self, Exit, Session};
 use crate::cli::BuildArgs;
 use crate::diag::Diagnostic;
 use crate::io::atomic::{self, NewFile};
@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 pub fn run(args: &BuildArgs, session: &mut Session) -> io::Result<Exit> {
     session.set_threads();
     let timings = Timings { on_begin: session.progress(), ..Timings::default() };
-    let mut model = match pipeline::run(&args.scene, &args.changes, timings) {
+    let mut model = match pipeline::run(&args.scene, session::overrides(&args.changes), timings) {
         Ok(model) => model,
         Err(faults) => return complain(faults, args, session, ""),
     };

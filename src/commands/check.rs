@@ -63,7 +63,7 @@ fn check_file(path: &Path) -> Checked {
 
 fn check_scene(args: &CheckArgs, session: &Session) -> Checked {
     let timings = Timings { on_begin: session.progress(), ..Timings::default() };
-    match pipeline::run(&args.path, &args.changes, timings) {
+    match pipeline::run(&args.path, session::overrides(&args.changes), timings) {
         Ok(model) => {
             let mut findings = model.warnings;
             findings.extend(check::check_complex(&model.complex, &model.plc, &model.manifest));

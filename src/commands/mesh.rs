@@ -1,13 +1,13 @@
 //! `gsm mesh`: from a scene to a volume mesh for solvers.
 
-use super::session::{Exit, Session};
-use crate::cli::{Changes, MeshArgs, MshVersion};
+use super::session::{self, Exit, Session};
+use crate::cli::{MeshArgs, MshVersion};
 use crate::diag::Diagnostic;
 use crate::io::atomic::{self, NewFile};
 use crate::io::format::{self, Format};
 use crate::io::manifest::{self, Manifest};
 use crate::io::poly;
-use crate::pipeline;
+use crate::pipeline::{self, Overrides};
 use crate::report::timing::Timings;
 use crate::report::volume::VolumeReport;
 use crate::scene;
@@ -69,7 +69,7 @@ pub fn run(args: &MeshArgs, session: &mut Session) -> io::Result<Exit> {
     if let Some(fault) = args.output.iter().find_map(|path| Format::of(path).err()) {
         return complain(vec![fault], args, session, Exit::Usage);
     }
-    let mut task = match load(args, &args.changes, &mut timings) {
+    let mut task = match load(args, session::overrides(&args.changes), &mut timings) {
         Ok(task) => task,
         Err(faults) => {
             let exit = Exit::of(&faults);
@@ -102,15 +102,15 @@ pub fn run(args: &MeshArgs, session: &mut Session) -> io::Result<Exit> {
 
 /// The scene with its surfaces as they were evaluated: what is left to try where TetGen fails on remeshed ones.
 fn without_remeshing(failure: &Diagnostic, args: &MeshArgs, timings: &mut Timings) -> Result<Task, Vec<Diagnostic>> {
-    let off = Changes { remesh: Some(RemeshMode::Off), ..args.changes.clone() };
-    let mut task = load(args, &off, timings)?;
+    let off = Overrides { set: &args.changes.set, remesh: Some(RemeshMode::Off) };
+    let mut task = load(args, off, timings)?;
     let message = format!("{} of the remeshed surfaces; they are now as evaluated", failure.message);
     task.warnings.push(Diagnostic::warning("not-remeshed", message).hint("`--remesh off` does this at once"));
     Ok(task)
 }
 
 /// A scene through the pipeline, or a .poly with its manifest.
-fn load(args: &MeshArgs, changes: &Changes, timings: &mut Timings) -> Result<Task, Vec<Diagnostic>> {
+fn load(args: &MeshArgs, overrides: Overrides, timings: &mut Timings) -> Result<Task, Vec<Diagnostic>> {
     if args.path.extension().is_some_and(|e| e == "poly" || e == "smesh") {
         let one = |fault| vec![fault];
         let manifest = Manifest::beside(&args.path).map_err(one)?;
@@ -119,7 +119,7 @@ fn load(args: &MeshArgs, changes: &Changes, timings: &mut Timings) -> Result<Tas
         let name = args.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         return Ok(Task { input, manifest, wanted: MeshOptions::default(), name, warnings: Vec::new(), is_remeshed: false });
     }
-    let model = pipeline::run(&args.path, changes, std::mem::take(timings))?;
+    let model = pipeline::run(&args.path, overrides, std::mem::take(timings))?;
     *timings = model.timings;
     Ok(Task {
         input: Input::new(model.plc, &model.complex, &model.scene.parts),

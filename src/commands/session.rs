@@ -1,8 +1,10 @@
 //! What all commands share: where output goes, how diagnostics look, exit codes.
 
-use crate::cli::Common;
+use crate::cli::{Changes, Common, Remesh};
 use crate::diag::{Diagnostic, Severity};
+use crate::pipeline::Overrides;
 use crate::report::diagnostics::{self, Style};
+use crate::scene::model::RemeshMode;
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 use std::sync::OnceLock;
@@ -85,6 +87,16 @@ impl Session<'_> {
         serde_json::to_writer_pretty(&mut *self.out, value)?;
         self.out.write_all(b"\n")
     }
+}
+
+/// What the command line changes in a scene, for the pipeline.
+pub fn overrides(changes: &Changes) -> Overrides<'_> {
+    let mode = |remesh| match remesh {
+        Remesh::Full => RemeshMode::Full,
+        Remesh::Interfaces => RemeshMode::Interfaces,
+        Remesh::Off => RemeshMode::Off,
+    };
+    Overrides { set: &changes.set, remesh: changes.remesh.map(mode) }
 }
 
 /// Colours are wanted unless the user says no (no-color.org).
