@@ -2,9 +2,10 @@
 """peers.py [--repeats N]: processor time of gsm beside Gmsh's fragments and Manifold's Booleans, in one run, as a table.
 
 gsm's geometry is what `--json` says of the stages from the scene to the B-rep (a new process each time, mean of all repeats), as is
-the remesher's time with the mode of the scene; its process is the processor time of the whole program, files written included. Peers: peer_geometry.py. Bars: ten times less than
-Gmsh on transformer3, machine and sphere_grid 4 to 6; no more than Manifold where it needs over 3 ms for solids that it can do;
-15 ms for the whole process on scenes 1 to 8. A benchmark, never a gate: exit code 0."""
+the remesher's time with the mode of the scene; its process is the processor time of the whole program, files written included.
+Peers: peer_geometry.py. Bars: ten times less than Gmsh on transformer3, machine and sphere_grid 4 to 6; no more than Manifold
+where it needs over 3 ms for solids that it can do; 15 ms for the whole process on scenes 1 to 8. A benchmark, never a gate: exit
+code 0."""
 import argparse
 import json
 import os
