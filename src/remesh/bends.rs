@@ -128,11 +128,16 @@ impl Workpiece {
         is_off(f, &n) || is_off(g, &m)
     }
 
-    fn weak_around(&self, star: &[FacetId], aim: Aim) -> usize {
-        let mut edges = self.edges_of(star);
+    fn count_weak(&self, edges: &[EdgeId], aim: Aim) -> usize {
+        edges.iter().filter(|&&e| self.is_weak(e, aim)).count()
+    }
+
+    /// The edges of the treated facets at a vertex.
+    fn edges_of_star(&self, vertex: VertexId) -> Vec<EdgeId> {
+        let mut edges = self.edges_of(&self.star(vertex));
         edges.sort_unstable();
         edges.dedup();
-        edges.into_iter().filter(|&e| self.is_weak(e, aim)).count()
+        edges
     }
 
     fn area(&self, facet: FacetId) -> Vec3 {
@@ -161,17 +166,18 @@ impl Workpiece {
         for vertex in vertices {
             let feet = self.feet(vertex, edge).into_iter().map(|to| (false, to));
             let slides = if aim.is_forced { self.slides(vertex) } else { Vec::new() };
-            let places: Vec<_> = feet.chain(slides.into_iter().map(|to| (true, to))).collect();
+            let places = feet.chain(slides.into_iter().map(|to| (true, to)));
+            let places: Vec<_> = places.filter(|(_, to)| self.is_within_reach(vertex, to)).collect();
             if places.is_empty() {
                 continue;
             }
             // What a place mends first: it costs a fraction of a look at the supports.
-            let star = self.star(vertex);
-            let weak = self.weak_around(&star, aim);
+            let edges = self.edges_of_star(vertex);
+            let weak = self.count_weak(&edges, aim);
             let mut useful = Vec::new();
             for (is_slide, to) in places {
                 let from = std::mem::replace(&mut self.brep.vertices[vertex].point, to);
-                let mended = weak.saturating_sub(self.weak_around(&star, aim));
+                let mended = weak.saturating_sub(self.count_weak(&edges, aim));
                 self.brep.vertices[vertex].point = from;
                 if mended > 0 {
                     useful.push((is_slide, Reverse(mended), to));
@@ -195,11 +201,30 @@ impl Workpiece {
         true
     }
 
+    /// Whether a vertex deviates at a place by no more than its triangles may: most places in a surface fail this, and soonest.
+    fn is_within_reach(&self, vertex: VertexId, to: &Vec3) -> bool {
+        let Place::Surface(surface) = self.place(vertex) else { return true };
+        let Some(support) = self.supports[surface].as_deref() else { return true };
+        let star = self.star(vertex);
+        star.first().is_none_or(|&f| self.is_allowed_at(support, f, to, self.allowed(self.worst(&star))))
+    }
+
+    /// Multiple of the bound within which triangles stay that were like this.
+    fn allowed(&self, before: Measure) -> f64 {
+        before.excess.max(1.0) * self.bound.slack()
+    }
+
+    /// Whether a point of a facet deviates by at most `allowed` times the bound.
+    fn is_allowed_at(&self, support: &Support, facet: FacetId, point: &Vec3, allowed: f64) -> bool {
+        let foot = support.nearest(point);
+        (foot.point - point).norm() <= allowed * self.bound.along(foot.curvature) * self.share(facet)
+    }
+
     /// What the triangles around a vertex become if it moves there; `None` if that is not allowed.
     fn bent(&self, vertex: VertexId, ring: &Ring, to: &Vec3, aim: Aim) -> Option<Measure> {
         let before = ring.before;
         let floor = if aim.is_forced { 1.0 } else { before.cosine.max(cosine_of_degrees(FLAT_KEEPS)) };
-        let allowed = before.excess.max(1.0) * self.bound.slack();
+        let allowed = self.allowed(before);
         let Effect { after, .. } = ring.plan(to, floor, allowed)?;
         let is_near = ring.facets().all(|f| self.is_sampled_within(f, vertex, to, allowed));
         (is_near && !after.is_flipped).then_some(after)
@@ -212,10 +237,7 @@ impl Workpiece {
         let grid =
             (0..=SAMPLES).flat_map(|i| (0..=SAMPLES - i).map(move |j| [i, j].map(|k| f64::from(k) / f64::from(SAMPLES))));
         let mut points = grid.map(|[s, t]| a * s + b * t + c * (1.0 - s - t));
-        points.all(|p| {
-            let foot = support.nearest(&p);
-            (foot.point - p).norm() <= allowed * self.bound.along(foot.curvature) * self.share(facet)
-        })
+        points.all(|p| self.is_allowed_at(support, facet, &p, allowed))
     }
 
     /// Places of a vertex in the planes of those facets at an edge that it is not a corner of: the feet, or, on a curve, where the

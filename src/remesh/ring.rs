@@ -156,7 +156,11 @@ impl Ring<'_> {
         if self.is_sharper(to, limit) {
             return None;
         }
-        let cosine = self.sharpest(to);
+        self.plan_shaped(to, self.sharpest(to), excess)
+    }
+
+    /// The same for a place where the cosine of the smallest angle is known.
+    fn plan_shaped(&self, to: &Vec3, cosine: f64, excess: f64) -> Option<Effect> {
         let mut after = Measure { cosine, ..Measure::BEST };
         for spoke in &self.spokes {
             let Some(area) = &spoke.area else { continue };
@@ -188,23 +192,22 @@ impl Ring<'_> {
         let shortest = spans.filter(|&d| d > 0.0).fold(f64::INFINITY, f64::min).sqrt();
         let mut step = FIRST_STEP * shortest;
         let mut best = (self.here, Effect { before: self.before, after: self.before });
+        let mut places: Vec<(f64, Vec3)> = Vec::with_capacity(directions.len());
         for _ in 0..SEARCH_STEPS {
-            let mut found = None;
+            let least = best.1.after.cosine;
+            places.clear();
             for d in &directions {
-                let least = found.map_or(best.1.after.cosine, |f: (Vec3, Effect)| f.1.after.cosine);
                 let near = best.0 + d * step;
-                if self.is_sharper(&near, least + NEAR_HOME) {
-                    continue;
-                }
-                let to = self.work.home_of(self.place, &near);
-                if let Some(effect) = self.plan(&to, least, excess)
-                    && effect.is_legal()
-                    && effect.after.cosine < least
-                {
-                    found = Some((to, effect));
+                if !self.is_sharper(&near, least + NEAR_HOME) {
+                    let to = self.work.home_of(self.place, &near);
+                    places.push((self.sharpest(&to), to));
                 }
             }
-            match found {
+            // Best shape first: few places have to be held against the supports.
+            places.retain(|p| p.0 < least);
+            places.sort_by(|p, q| p.0.total_cmp(&q.0));
+            let mut legal = places.iter().filter_map(|(cosine, to)| Some((*to, self.plan_shaped(to, *cosine, excess)?)));
+            match legal.find(|p| p.1.is_legal()) {
                 Some(next) => best = next,
                 None => step *= 0.5,
             }

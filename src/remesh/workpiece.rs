@@ -202,6 +202,9 @@ impl Workpiece {
 
     /// Shape of a treated facet: the cosine of its measure, without a look at its support.
     pub fn sharpest(&self, facet: FacetId) -> f64 {
+        if let Some(known) = self.measures.get(facet.index()).and_then(Cell::get) {
+            return known.cosine;
+        }
         let Some(corners) = self.corners(facet) else { return Measure::BEST.cosine };
         let [a, b, c] = self.points(corners);
         sharpest_cosine([&a, &b, &c], self.obtuse)
