@@ -82,3 +82,40 @@ fn image_of_a_sphere_is_the_ellipsoid() {
         assert!((a.bending - b.bending).norm() < 1e-6);
     }
 }
+
+/// Corners of the facets of curved sides lie on the side's shape, as far as rounding goes.
+#[test]
+fn facets_have_their_corners_on_their_shapes() {
+    let path = "Path(start: (-20, 0), segments: [Line(to: (30, 0)), Arc(to: (60, 30), center: (30, 30)), Line(to: (60, 60)), \
+                Arc(to: (90, 90), center: (90, 60), ccw: false), Line(to: (95, 90))], closed: false)";
+    let profile = "RoundedRectangle(size: (8, 6), center: (1, 2), radius: 2)";
+    let solids = [
+        "Cylinder(radius: 3, height: 8, base: (1, 2, 3), axis: (1, 1, 0))".to_string(),
+        "Frustum(bottom_radius: 5, top_radius: 2, height: 8, axis: Y)".into(),
+        "Cone(radius: 5, height: 8, base: (70, -30, 0))".into(),
+        "Sphere(radius: 4, center: (1, 2, 3))".into(),
+        "Ellipsoid(radii: (6, 4, 3), center: (145, -30, 5))".into(),
+        "Torus(major_radius: 6, minor_radius: 2, center: (1, 2, 3), axis: X)".into(),
+        format!("Extrude(profile: {profile}, height: 5, axis: (1, 2, 2))"),
+        format!("Revolve(profile: {}, angle: 120, axis: Y)", profile.replace("(1, 2)", "(9, 2)")),
+        format!("Sweep(profile: {profile}, path: {path}, base: (7, 8, 9), axis: (0, 1, 1))"),
+        format!("Mirror(normal: X, solid: Scale(by: (1, 2, 3), solid: Sweep(profile: Circle(radius: 3), path: {path})))"),
+    ];
+    for (solid, triangulated) in solids.iter().flat_map(|s| [(s, false), (s, true)]) {
+        let text = format!("Scene(units: \"mm\", triangulated: {triangulated}, parts: [Part(name: \"a\", solid: {solid})])");
+        let scene = crate::scene::parse("s", std::path::Path::new("."), &text, &[], &Default::default()).unwrap().0;
+        for solid in crate::primitive::build(&scene).unwrap() {
+            let at = |v: u32| solid.vertices[v as usize].point;
+            for facet in &solid.facets {
+                let Some(support) = support_of_shape(&solid.surfaces[facet.surface as usize].shape) else { continue };
+                for p in facet.loops.iter().flatten().map(|&v| at(v)) {
+                    assert!(
+                        support.distance(&p) < 1e-12 * (1.0 + p.norm()),
+                        "{text}\n{:?} {p:?}",
+                        solid.surfaces[facet.surface as usize]
+                    );
+                }
+            }
+        }
+    }
+}

@@ -148,14 +148,15 @@ impl Sweep {
             (Some(arc), None) => {
                 let [cx, cy] = arc.center;
                 match self.stations[piece.first] {
-                    Station::Mitre { .. } => {
+                    Station::Level(_) => self.place.cone(arc.center, arc.radius, 0.0),
+                    // A straight piece of a path may begin where an arc ends.
+                    Station::Mitre { .. } | Station::OnCircle { .. } => {
                         let ([ox, oy], [dx, dy]) = self.straight(piece);
                         // Right of the travel direction d is (dy, -dx).
                         let (origin, up) = ([ox + dy * cx, oy - dx * cx, cy], [0.0, 0.0, 1.0]);
                         let axes = [[-dy, dx, 0.0], up, [dx, dy, 0.0]];
                         self.place.inner(origin, axes).cone([0.0, 0.0], arc.radius, 0.0)
                     }
-                    _ => self.place.cone(arc.center, arc.radius, 0.0),
                 }
             }
             (Some(arc), Some(turn)) => {
