@@ -6,6 +6,10 @@ use super::plane::Plane;
 use crate::geom::Vec3;
 use nalgebra::Matrix3;
 
+/// A direction is straight on a surface if its curvature is below this fraction of the largest: far above rounding, far below what
+/// any facet could show.
+const STRAIGHT: f64 = 1e-6;
+
 /// A point of a surface with its second-order neighbourhood.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Foot {
@@ -52,6 +56,11 @@ impl Foot {
     /// The magnitude of the larger principal curvature.
     pub fn largest_curvature(&self) -> f64 {
         self.principal_values()[0].abs()
+    }
+
+    /// Whether a direction is straight on the surface.
+    pub fn is_straight_along(&self, direction: &Vec3) -> bool {
+        self.curvature_along(direction).abs() <= STRAIGHT * self.largest_curvature()
     }
 
     /// Average of the principal curvatures (thesis 4.2.2, note i).

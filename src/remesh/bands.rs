@@ -30,8 +30,6 @@ const LEAST_REST: f64 = 1.0;
 const LEAST_SIDE: f64 = 0.5;
 /// Distance from the true surface, as a fraction of the model's size, past which a corner is off it: contact moves corners by less.
 const OFF: f64 = 1e-7;
-/// A direction is straight on a surface if its curvature is below this fraction of the largest.
-pub(super) const STRAIGHT: f64 = 1e-6;
 
 type Edge = [VertexId; 2];
 type Supports = IdVec<SurfaceId, Option<Arc<Support>>>;
@@ -151,8 +149,8 @@ impl<'a> Strips<'a> {
     fn is_ruled(&self, facet: FacetId) -> bool {
         let Some(support) = self.support(facet) else { return false };
         let [a, b, c] = self.complex.facets[facet].triangles[0].map(|v| self.point(v));
-        let [(k1, _), (k2, _)] = support.closest(&((a + b + c) / 3.0)).principal();
-        k2.abs() <= STRAIGHT * k1.abs()
+        let foot = support.closest(&((a + b + c) / 3.0));
+        foot.is_straight_along(&foot.principal()[1].1)
     }
 
     /// Whether an edge is straight on the surface of a facet.
@@ -160,7 +158,7 @@ impl<'a> Strips<'a> {
         let Some(support) = self.support(facet) else { return true };
         let (a, b) = (self.point(a), self.point(b));
         let foot = support.closest(&((a + b) * 0.5));
-        foot.curvature_along(&(b - a)).abs() <= STRAIGHT * foot.principal()[0].0.abs()
+        foot.is_straight_along(&(b - a))
     }
 
     /// Whether an edge lies inside a surface and is straight there.

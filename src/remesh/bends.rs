@@ -8,6 +8,7 @@
 use super::operators::Effect;
 use super::quality::cosine_of_degrees;
 use super::ring::Ring;
+use super::sizing::Limits;
 use super::straight::is_straight;
 use super::workpiece::{Measure, Place, Workpiece};
 use crate::brep::store::{EdgeId, FinId};
@@ -33,6 +34,8 @@ const FLAT_KEEPS: f64 = 40.0;
 const SAMPLES: u32 = 4;
 /// Lengths of slides that are tried, in shortest edges at the vertex.
 const SLIDES: [f64; 6] = [0.005, 0.01, 0.02, 0.04, 0.08, 0.16];
+/// How far a vertex may leave its surface towards another one, as a share of the gap: that one may come as near.
+const GAP_SHARE: f64 = 0.25;
 /// Newton steps to a plane along a curve; they start at a hundredth of the distance.
 const FOOT_STEPS: usize = 4;
 /// How often all edges are looked at; a move may bring another edge into trouble.
@@ -54,13 +57,13 @@ type Rank = (bool, Reverse<usize>, f64);
 
 impl Workpiece {
     /// Moves vertices until no two neighbouring facets are almost, but not quite, in one plane, as far as that is legal.
-    pub fn clear_bends(&mut self) {
+    pub fn clear_bends(&mut self, limits: &Limits) {
         let flat = COPLANAR * self.extent();
         for (sine, is_forced) in NEAR_SINES.map(|s| (s, false)).into_iter().chain([(MERGED_SINE, true)]) {
             let aim = Aim { sine, flat, is_forced };
             for _ in 0..PASSES {
                 let weak: Vec<EdgeId> = self.active_edges().into_iter().filter(|&e| self.is_weak(e, aim)).collect();
-                let moved = weak.into_iter().filter(|&e| self.clear_bend(e, aim)).count();
+                let moved = weak.into_iter().filter(|&e| self.clear_bend(e, aim, limits)).count();
                 if moved == 0 {
                     break;
                 }
@@ -154,7 +157,7 @@ impl Workpiece {
     }
 
     /// Makes the best move of a vertex of the facets at a weak edge; whether there is one.
-    fn clear_bend(&mut self, edge: EdgeId, aim: Aim) -> bool {
+    fn clear_bend(&mut self, edge: EdgeId, aim: Aim, limits: &Limits) -> bool {
         if !self.is_weak(edge, aim) {
             return false;
         }
@@ -167,7 +170,7 @@ impl Workpiece {
             let feet = self.feet(vertex, edge).into_iter().map(|to| (false, to));
             let slides = if aim.is_forced { self.slides(vertex) } else { Vec::new() };
             let places = feet.chain(slides.into_iter().map(|to| (true, to)));
-            let places: Vec<_> = places.filter(|(_, to)| self.is_within_reach(vertex, to)).collect();
+            let places: Vec<_> = places.filter(|(_, to)| self.is_within_reach(vertex, to, limits)).collect();
             if places.is_empty() {
                 continue;
             }
@@ -201,12 +204,14 @@ impl Workpiece {
         true
     }
 
-    /// Whether a vertex deviates at a place by no more than its triangles may: most places in a surface fail this, and soonest.
-    fn is_within_reach(&self, vertex: VertexId, to: &Vec3) -> bool {
+    /// Whether a vertex deviates at a place by no more than its triangles may, and keeps clear of what is across a gap: most places
+    /// in a surface fail this, and soonest.
+    fn is_within_reach(&self, vertex: VertexId, to: &Vec3, limits: &Limits) -> bool {
         let Place::Surface(surface) = self.place(vertex) else { return true };
         let Some(support) = self.supports[surface].as_deref() else { return true };
         let star = self.star(vertex);
         star.first().is_none_or(|&f| self.is_allowed_at(support, f, to, self.allowed(self.worst(&star))))
+            && limits.is_clear(to, support.distance(to) / GAP_SHARE, surface)
     }
 
     /// Multiple of the bound within which triangles stay that were like this.

@@ -3,7 +3,6 @@
 //! Common rules: no triangle flips or leaves the allowed deviation further than its predecessors did, planar facets stay
 //! simple, freedoms are respected. What else an operation must improve is up to the caller.
 
-use super::bands::STRAIGHT;
 use super::polygons::Change;
 use super::quality::{is_sharper, sharpest_cosine};
 use super::workpiece::{CurveId, Measure, Place, Workpiece, sorted};
@@ -117,7 +116,7 @@ impl Workpiece {
         let [a, b] = self.brep.topology.ends(edge).map(|v| self.point(v));
         let foot = self.support(strip)?.closest(&((a + b) * 0.5));
         let direction = (b - a).try_normalize(0.0)?;
-        let is_straight = foot.curvature_along(&direction).abs() <= STRAIGHT * foot.principal()[0].0.abs();
+        let is_straight = foot.is_straight_along(&direction);
         let is_inner = !self.brep.is_feature(edge);
         (is_straight && is_inner).then(|| self.curves.push(Curve::Line { origin: a, direction }))
     }

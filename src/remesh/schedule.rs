@@ -15,6 +15,10 @@ use std::collections::BinaryHeap;
 pub(super) const LONG: f64 = 1.4;
 pub(super) const SHORT: f64 = 0.7;
 
+/// Urgency of an edge across the rulings of its surface, against one that is straight there: a diagonal of a long strip is swapped to
+/// a short one once the rulings beside it are split, while splitting it first puts vertices inside the strip.
+const ACROSS: f64 = 0.5;
+
 /// How much longer than before an edge that is too long already may get by a collapse beside it.
 const STRETCH: f64 = 1.1;
 
@@ -132,7 +136,7 @@ impl Workpiece {
             self.enqueue_long(&mut queue, e);
         }
         while let Some((edge, key)) = queue.pop() {
-            if !self.brep.topology.has_edge(edge) || self.relative_length(edge) != key || budget == 0 {
+            if !self.brep.topology.has_edge(edge) || self.urgency(edge) != key || budget == 0 {
                 continue;
             }
             budget -= 1;
@@ -149,10 +153,21 @@ impl Workpiece {
     }
 
     fn enqueue_long(&self, queue: &mut Queue<EdgeId>, edge: EdgeId) {
-        let length = self.relative_length(edge);
-        if length > LONG && self.is_active(edge) {
-            queue.push(edge, length);
+        if self.relative_length(edge) > LONG && self.is_active(edge) {
+            queue.push(edge, self.urgency(edge));
         }
+    }
+
+    /// How much a long edge asks to be split.
+    fn urgency(&self, edge: EdgeId) -> f64 {
+        let length = self.relative_length(edge);
+        let support = || self.support(self.brep.topology.facets_around(edge).find(|&f| self.is_treated(f))?);
+        if self.brep.is_feature(edge) {
+            return length;
+        }
+        let [a, b] = self.brep.topology.ends(edge).map(|v| self.point(v));
+        let is_straight = support().is_none_or(|s| s.closest(&((a + b) * 0.5)).is_straight_along(&(b - a)));
+        if is_straight { length } else { ACROSS * length }
     }
 
     /// Swaps what an operation made swappable; gives all edges around.

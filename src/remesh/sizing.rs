@@ -151,17 +151,27 @@ impl Limits {
 
     /// The wanted length, at most `length`, at a point of some surfaces.
     fn limit(&self, point: &Vec3, length: f64, surfaces: &[SurfaceId]) -> f64 {
-        let mut limited = surfaces.iter().map(|s| self.max_edge[s.index()]).fold(length, f64::min);
-        let reach = Vec3::repeat(limited / PER_GAP);
-        let near = Aabb { lo: point - reach, hi: point + reach };
+        let limited = surfaces.iter().map(|s| self.max_edge[s.index()]).fold(length, f64::min);
+        (PER_GAP * self.gap(point, limited / PER_GAP, surfaces)).max(self.least)
+    }
+
+    /// Distance to the nearest facet that shares no curve with some surfaces, at most `reach`.
+    fn gap(&self, point: &Vec3, reach: f64, surfaces: &[SurfaceId]) -> f64 {
+        let mut gap = reach;
+        let near = Aabb { lo: point - Vec3::repeat(reach), hi: point + Vec3::repeat(reach) };
         self.tree.overlapping(&near, |t| {
             let (corners, surface) = &self.triangles[t as usize];
             let meets = surfaces.iter().any(|s| self.touching[s.index()].binary_search(surface).is_ok());
             if !meets {
-                limited = limited.min(PER_GAP * (closest_on_triangle(corners, point) - point).norm());
+                gap = gap.min((closest_on_triangle(corners, point) - point).norm());
             }
         });
-        limited.max(self.least)
+        gap
+    }
+
+    /// Whether nothing but what shares a curve with a surface is within reach of a point.
+    pub fn is_clear(&self, point: &Vec3, reach: f64, surface: SurfaceId) -> bool {
+        self.gap(point, reach, &[surface]) >= reach
     }
 }
 
