@@ -38,7 +38,7 @@ const SLIDES: [f64; 6] = [0.005, 0.01, 0.02, 0.04, 0.08, 0.16];
 const GAP_SHARE: f64 = 0.25;
 /// Newton steps to a plane along a curve; they start at a hundredth of the distance.
 const FOOT_STEPS: usize = 4;
-/// How often all edges are looked at; a move may bring another edge into trouble.
+/// How often: first all edges are looked at, then those around a move, which may bring another edge into trouble.
 const PASSES: usize = 2;
 
 /// Which edges are looked at, and what may be done.
@@ -61,12 +61,13 @@ impl Workpiece {
         let flat = COPLANAR * self.extent();
         for (sine, is_forced) in NEAR_SINES.map(|s| (s, false)).into_iter().chain([(MERGED_SINE, true)]) {
             let aim = Aim { sine, flat, is_forced };
+            let mut edges = self.active_edges();
             for _ in 0..PASSES {
-                let weak: Vec<EdgeId> = self.active_edges().into_iter().filter(|&e| self.is_weak(e, aim)).collect();
-                let moved = weak.into_iter().filter(|&e| self.clear_bend(e, aim, limits)).count();
-                if moved == 0 {
-                    break;
-                }
+                edges.retain(|&e| self.is_weak(e, aim));
+                let moved: Vec<VertexId> = edges.into_iter().filter_map(|e| self.clear_bend(e, aim, limits)).collect();
+                edges = moved.into_iter().flat_map(|v| self.edges_of_star(v)).collect();
+                edges.sort_unstable();
+                edges.dedup();
             }
         }
     }
@@ -156,10 +157,10 @@ impl Workpiece {
         self.area(facet).try_normalize(0.0).unwrap_or_else(Vec3::zeros)
     }
 
-    /// Makes the best move of a vertex of the facets at a weak edge; whether there is one.
-    fn clear_bend(&mut self, edge: EdgeId, aim: Aim, limits: &Limits) -> bool {
+    /// Makes the best move of a vertex of the facets at a weak edge, and says of which.
+    fn clear_bend(&mut self, edge: EdgeId, aim: Aim, limits: &Limits) -> Option<VertexId> {
         if !self.is_weak(edge, aim) {
-            return false;
+            return None;
         }
         let facets = self.brep.topology.facets_around(edge);
         let mut vertices: Vec<VertexId> = facets.filter_map(|f| self.corners(f)).flatten().collect();
@@ -199,9 +200,9 @@ impl Workpiece {
                 }
             }
         }
-        let Some((_, vertex, to)) = best else { return false };
+        let (_, vertex, to) = best?;
         self.relocate(vertex, to);
-        true
+        Some(vertex)
     }
 
     /// Whether a vertex deviates at a place by no more than its triangles may, and keeps clear of what is across a gap: most places
@@ -209,8 +210,9 @@ impl Workpiece {
     fn is_within_reach(&self, vertex: VertexId, to: &Vec3, limits: &Limits) -> bool {
         let Place::Surface(surface) = self.place(vertex) else { return true };
         let Some(support) = self.supports[surface].as_deref() else { return true };
-        let star = self.star(vertex);
-        star.first().is_none_or(|&f| self.is_allowed_at(support, f, to, self.allowed(self.worst(&star))))
+        let star = || self.brep.topology.facets_at(vertex).filter(|&f| self.is_treated(f));
+        let worst = star().map(|f| self.measure_facet(f)).fold(Measure::BEST, Measure::worse_of);
+        star().next().is_none_or(|f| self.is_allowed_at(support, f, to, self.allowed(worst)))
             && limits.is_clear(to, support.distance(to) / GAP_SHARE, surface)
     }
 

@@ -108,7 +108,6 @@ pub fn remesh(complex: Complex, options: &RemeshOptions, parts: &IdVec<PartId, P
         let mut work = Workpiece::new(complex.clone(), supports.clone(), retreat.shares.clone(), retreat.choice.clone())?;
         work.remesh(options, parts);
         let faults = work.faults();
-        { use std::io::Write; let mut e=std::io::stderr(); let _ = writeln!(e, "attempt {} faults {}", ATTEMPTS-left, faults.len()); for f in faults.iter().take(12) { let _ = writeln!(e, "  contact {} surface {:?} {:?} {:?}", f.is_contact, f.surface, f.place.lo, f.place.hi); } }
         let is_last = !retreat.give_up(&faults, &complex, &supports) || left == 0;
         if is_last && faults.iter().all(|f| !f.is_contact) {
             let mut done = work.brep.to_complex();

@@ -15,8 +15,15 @@ use crate::patch::curve::Curve;
 use crate::primitive::solid::Freedom;
 
 /// Least gain, in the cosine of the smallest angle (a quarter of a degree), for which an angle is raised: without it, a patch would
-/// creep towards its best shape in endless tiny steps.
-pub(super) const LEAST_GAIN: f64 = 3e-3;
+/// creep towards its best shape in endless tiny steps. For needles, of less than 10 degrees, a tenth of the angle: then 1 - cosine grows by
+/// a fifth.
+const LEAST_GAIN: f64 = 3e-3;
+const NEEDLE_GAIN: f64 = 0.2;
+
+/// The cosine of the smallest angle past which an angle is raised.
+pub(super) fn raised(cosine: f64) -> f64 {
+    cosine - LEAST_GAIN.min(NEEDLE_GAIN * (1.0 - cosine))
+}
 
 /// What an operation would do to quality.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -34,7 +41,7 @@ impl Effect {
     }
     /// Legal, and the smallest angle rises.
     pub fn is_better(&self) -> bool {
-        self.is_legal() && self.after.cosine < self.before.cosine - LEAST_GAIN
+        self.is_legal() && self.after.cosine < raised(self.before.cosine)
     }
 }
 
@@ -218,7 +225,7 @@ impl Workpiece {
         let [c, d] = [at_f, at_g].map(|fin| self.point(topology.fin_ends(topology.prev_fin(fin))[0]));
         // Shapes first: they cost a tenth of what topology and supports do.
         if !before.is_flipped && before.excess <= 1.0 {
-            let limit = before.cosine - LEAST_GAIN;
+            let limit = raised(before.cosine);
             let is_poor = |[p, q, r]: [&Vec3; 3]| sharpest_cosine([p, q, r], self.obtuse) >= limit;
             if is_poor([&c, &d, &b]) || is_poor([&d, &c, &a]) {
                 return None;

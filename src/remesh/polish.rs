@@ -1,6 +1,6 @@
 //! Polish: the worst triangles first, each by the operator that helps it most.
 
-use super::operators::{Effect, LEAST_GAIN};
+use super::operators::{Effect, raised};
 use super::quality::cosine_of_degrees;
 use super::schedule::{LONG, Queue, SHORT};
 use super::workpiece::Workpiece;
@@ -80,7 +80,7 @@ impl Workpiece {
                 consider(&effect, Mend::Swap(plan));
             }
             for gone in self.brep.topology.ends(edge) {
-                let limit = corners.iter().position(|&v| v == gone).map_or(0.0, |k| sharpest[k] - LEAST_GAIN);
+                let limit = corners.iter().position(|&v| v == gone).map_or(0.0, |k| raised(sharpest[k]));
                 if let Some((plan, effect)) = self.plan_collapse(edge, gone, limit)
                     && !self.would_stretch(plan.gone, plan.kept, LONG)
                 {
