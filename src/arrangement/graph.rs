@@ -69,7 +69,7 @@ impl<'a> Mesh<'a> {
 
     /// Owners of a triangle's cell.
     pub fn owners(&self, t: u32) -> &'a [Owner] {
-        &self.input.cells[self.input.cell_of_triangle[t as usize] as usize].owners
+        self.input.owners_of_triangle(t)
     }
 
     /// Sheet of a triangle's cell.
@@ -90,10 +90,7 @@ impl<'a> Mesh<'a> {
     /// Whether two triangles belong to a common leaf.
     pub fn has_common_leaf(&self, t: u32, u: u32) -> bool {
         let (a, b) = (self.owners(t), self.owners(u));
-        match (a, b) {
-            ([a], [b]) => a.leaf == b.leaf,
-            _ => a.iter().any(|x| b.iter().any(|y| x.leaf == y.leaf)),
-        }
+        a.iter().any(|x| b.iter().any(|y| x.leaf == y.leaf))
     }
 
     /// A triangle with its corners.
