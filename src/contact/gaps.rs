@@ -7,6 +7,7 @@ use super::outline::{Outline, sides};
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
 use crate::geom::hash::IndexMap;
+use crate::geom::lists::Lists;
 use crate::ids::LeafId;
 use crate::primitive::solid::Solid;
 use std::ops::ControlFlow;
@@ -74,11 +75,17 @@ fn gap(body: &Body, trees: &FacetTrees, outlines: &mut Outlines, leaves: [u32; 2
 
 /// Those of `pairs`, which are sorted, that have no point in common.
 fn apart(conforming: &Conforming, pairs: &[[u32; 2]]) -> Vec<[u32; 2]> {
+    let leaves_at = leaves_at_common_points(conforming);
     let mut is_apart = vec![true; pairs.len()];
     let mut left = pairs.len();
-    for leaves in common_points(conforming).chunk_by(|a, b| a.0 == b.0) {
-        for (k, &(_, a)) in leaves.iter().enumerate() {
-            for slot in leaves[k + 1..].iter().filter_map(|&(_, b)| pairs.binary_search(&[a, b]).ok()) {
+    let mut leaves: Vec<u32> = Vec::new();
+    for v in 0..conforming.points.len() as u32 {
+        leaves.clear();
+        leaves.extend(leaves_at.of(v));
+        leaves.sort_unstable();
+        leaves.dedup();
+        for (k, &a) in leaves.iter().enumerate() {
+            for slot in leaves[k + 1..].iter().filter_map(|&b| pairs.binary_search(&[a, b]).ok()) {
                 left -= usize::from(std::mem::replace(&mut is_apart[slot], false));
             }
         }
@@ -90,30 +97,22 @@ fn apart(conforming: &Conforming, pairs: &[[u32; 2]]) -> Vec<[u32; 2]> {
     pairs.iter().zip(is_apart).filter(|p| p.1).map(|p| *p.0).collect()
 }
 
-/// The points that several leaves have, each with its leaves: (point, leaf), sorted.
-fn common_points(conforming: &Conforming) -> Vec<(u32, u32)> {
+/// For every point that several leaves have, those, once for each of their triangles there; none for other points.
+fn leaves_at_common_points(conforming: &Conforming) -> Lists {
     const NONE: u32 = u32::MAX;
     const SEVERAL: u32 = u32::MAX - 1;
     let is_near = |t: &u32| conforming.cells[conforming.cell_of_triangle[*t as usize] as usize].is_near;
     let uses = || {
         let near = (0..conforming.triangles.len() as u32).filter(is_near);
-        near.flat_map(|t| conforming.owners_of_triangle(t).iter().map(move |o| (conforming.triangles[t as usize], o.leaf.0)))
+        let of_leaves = near.flat_map(|t| conforming.owners_of_triangle(t).iter().map(move |o| (t, o.leaf.0)));
+        of_leaves.flat_map(|(t, leaf)| conforming.triangles[t as usize].map(|v| (v, leaf)))
     };
     let mut leaf_at = vec![NONE; conforming.points.len()];
-    for (corners, leaf) in uses() {
-        for v in corners {
-            let known = &mut leaf_at[v as usize];
-            *known = if *known == NONE || *known == leaf { leaf } else { SEVERAL };
-        }
+    for (v, leaf) in uses() {
+        let known = &mut leaf_at[v as usize];
+        *known = if *known == NONE || *known == leaf { leaf } else { SEVERAL };
     }
-    let is_common = |v: &u32| leaf_at[*v as usize] == SEVERAL;
-    let mut common: Vec<(u32, u32)> = Vec::new();
-    for (corners, leaf) in uses() {
-        common.extend(corners.into_iter().filter(is_common).map(|v| (v, leaf)));
-    }
-    common.sort_unstable();
-    common.dedup();
-    common
+    Lists::from_iter(conforming.points.len(), uses().filter(|u| leaf_at[u.0 as usize] == SEVERAL))
 }
 
 /// Distance of two planar facets and a place of it, if it is at most `reach`, or `None` if they cross.

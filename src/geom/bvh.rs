@@ -147,18 +147,19 @@ impl Bvh {
     fn expand(&self, PairTask(n, m): PairTask, out: &mut Vec<PairTask>) -> bool {
         let children = |k: u32| {
             let node = &self.nodes[k as usize];
-            if node.count == 0 { [Some(k + 1), Some(node.first)] } else { [Some(k), None] }
+            (node.count == 0).then_some([k + 1, node.first])
         };
-        let is_leaf = |k: u32| self.nodes[k as usize].count > 0;
-        if is_leaf(n) && is_leaf(m) {
-            return false;
-        }
-        for (i, a) in children(n).into_iter().flatten().enumerate() {
-            for b in children(m).into_iter().flatten().skip(if n == m { i } else { 0 }) {
-                if a == b || self.nodes[a as usize].bounds.overlaps(&self.nodes[b as usize].bounds) {
-                    out.push(PairTask(a, b));
-                }
+        let mut push = |a: u32, b: u32| {
+            if a == b || self.nodes[a as usize].bounds.overlaps(&self.nodes[b as usize].bounds) {
+                out.push(PairTask(a, b));
             }
+        };
+        match (children(n), children(m)) {
+            (None, None) => return false,
+            (Some([a, b]), _) if n == m => [(a, a), (a, b), (b, b)].into_iter().for_each(|(a, b)| push(a, b)),
+            (Some([a, b]), None) => [a, b].into_iter().for_each(|a| push(a, m)),
+            (None, Some([a, b])) => [a, b].into_iter().for_each(|b| push(n, b)),
+            (Some([a, b]), Some([c, d])) => [(a, c), (a, d), (b, c), (b, d)].into_iter().for_each(|(a, b)| push(a, b)),
         }
         true
     }
