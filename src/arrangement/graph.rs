@@ -162,6 +162,8 @@ impl Graph {
             drawing_of: vec![u32::MAX; mesh.triangles.len()],
             is_coplanar: IndexSet::default(),
         };
+        // On closed curves there are as many points as pairs of triangles.
+        points.reserve(contacts.len());
         let mut seen = vec![false; points.explicit_len()];
         for &(t, u, _) in contacts {
             for v in mesh.triangles[t as usize].into_iter().chain(mesh.triangles[u as usize]) {

@@ -159,7 +159,18 @@ impl<'a> Points<'a> {
 
     /// Rounded coordinates.
     pub fn at(&self, p: u32) -> Vec3 {
-        self.place(p).at
+        *self.rounded(p).0
+    }
+
+    /// Rounded coordinates and the bound of their errors: all that most signs need.
+    fn rounded(&self, p: u32) -> (&Vec3, f64) {
+        match self.explicit.get(p as usize) {
+            Some(at) => (at, 0.0),
+            None => {
+                let place = &self.implicit[p as usize - self.explicit.len()].place;
+                (&place.at, place.error)
+            }
+        }
     }
 
     fn integers(&self) -> Integers<'_> {
@@ -195,6 +206,12 @@ impl<'a> Points<'a> {
     /// How a point was made.
     pub fn source(&self, p: u32) -> Source {
         if self.is_explicit(p) { Source::Explicit(p) } else { self.implicit[p as usize - self.explicit.len()].source.clone() }
+    }
+
+    /// Makes room for more points.
+    pub fn reserve(&mut self, more: usize) {
+        self.implicit.reserve(more);
+        self.grid.reserve(more);
     }
 
     /// Makes explicit vertices known to the interning table, so that an implicit point that falls on one gets its number.
@@ -291,9 +308,9 @@ impl<'a> Points<'a> {
         if a == b || b == c || c == a {
             return 0;
         }
-        let (pa, pb, pc) = (self.place(a), self.place(b), self.place(c));
-        let (fa, fb, fc) = (projection.apply(&pa.at), projection.apply(&pb.at), projection.apply(&pc.at));
-        let error = pa.error + pb.error + pc.error;
+        let [(pa, ea), (pb, eb), (pc, ec)] = [a, b, c].map(|p| self.rounded(p));
+        let (fa, fb, fc) = (projection.apply(pa), projection.apply(pb), projection.apply(pc));
+        let error = ea + eb + ec;
         if error == 0.0 {
             return predicates::orient2d(fa, fb, fc);
         }
@@ -309,7 +326,7 @@ impl<'a> Points<'a> {
         if det.abs() > bound {
             return predicates::sign(det);
         }
-        if let Some(sign) = fine_orient2d([&pa, &pb, &pc], projection) {
+        if let Some(sign) = fine_orient2d([a, b, c].map(|p| self.place(p)), projection) {
             return sign;
         }
         self.counts.exact.fetch_add(1, Memory::Relaxed);
@@ -321,13 +338,13 @@ impl<'a> Points<'a> {
         if a == b {
             return Ordering::Equal;
         }
-        let (pa, pb) = (self.place(a), self.place(b));
-        let difference = pa.at[axis] - pb.at[axis];
-        let error = pa.error + pb.error;
+        let [(pa, ea), (pb, eb)] = [a, b].map(|p| self.rounded(p));
+        let difference = pa[axis] - pb[axis];
+        let error = ea + eb;
         if error == 0.0 || difference.abs() > error * (1.0 + 4.0 * f64::EPSILON) {
             return difference.partial_cmp(&0.0).unwrap_or(Ordering::Equal);
         }
-        if let Some(difference) = pa.fine_difference(&pb, axis) {
+        if let Some(difference) = self.place(a).fine_difference(&self.place(b), axis) {
             return difference.partial_cmp(&0.0).unwrap_or(Ordering::Equal);
         }
         self.counts.exact.fetch_add(1, Memory::Relaxed);
@@ -337,7 +354,7 @@ impl<'a> Points<'a> {
 
 /// The sign of a turn if it is certain in double-double: two triangles of one polygon are not quite in one plane, and the lines
 /// in which they cross a third differ in the last digit.
-fn fine_orient2d([a, b, c]: [&Place; 3], projection: Projection) -> Option<Sign> {
+fn fine_orient2d([a, b, c]: [Place; 3], projection: Projection) -> Option<Sign> {
     let (u, v) = (projection.u as usize, projection.v as usize);
     let (x1, y1) = (b.fine(u) - a.fine(u), b.fine(v) - a.fine(v));
     let (x2, y2) = (c.fine(u) - a.fine(u), c.fine(v) - a.fine(v));
