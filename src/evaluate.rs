@@ -98,7 +98,7 @@ fn evaluate_pieces(
     warnings.extend(timings.measure("gaps", || findings::gaps(scene, cut, &conforming))?);
     // A tenth of the memory of a large model, and nobody needs it any more.
     conforming.trees = Default::default();
-    for owner in conforming.cells.iter_mut().flat_map(|c| &mut c.owners) {
+    for owner in &mut conforming.owners {
         owner.facet = pieces.get(owner.leaf.index()).map_or(owner.facet, |p| p[owner.facet as usize].facet);
     }
     let arrangement = timings.measure("arrangement", || arrangement::arrange(&conforming));

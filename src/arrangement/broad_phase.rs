@@ -96,9 +96,13 @@ fn between(mesh: &Mesh, (first, tree): &LeafTree, (second, other): &LeafTree) ->
     let (mut found, mut pairs) = (Contacts::default(), Vec::new());
     tree.pairs(other, 0.0, |i, j| {
         let (mine, yours) = (&first[i as usize], &second[j as usize]);
-        let (t, u) = (mine.triangle, yours.triangle);
-        let is_settled = mine.sheet == yours.sheet || mine.rests(tree.bounds_of(i), yours, other.bounds_of(j));
-        if !is_settled && !mesh.has_common_leaf(t, u) {
+        // The first leaf of each is that of its tree, so they differ.
+        let may_have_common_leaf = mine.is_common || yours.is_common;
+        let is_settled = mine.sheet == yours.sheet
+            || mine.rests(yours)
+            || may_have_common_leaf && mesh.has_common_leaf(mine.triangle, yours.triangle);
+        if !is_settled {
+            let (t, u) = (mine.triangle, yours.triangle);
             pairs.push([t.min(u), t.max(u)]);
             if pairs.len() == BATCH {
                 found.add(mesh, &mut pairs);

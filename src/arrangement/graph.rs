@@ -69,7 +69,7 @@ impl<'a> Mesh<'a> {
 
     /// Owners of a triangle's cell.
     pub fn owners(&self, t: u32) -> &'a [Owner] {
-        &self.input.cells[self.input.cell_of_triangle[t as usize] as usize].owners
+        self.input.owners_of_triangle(t)
     }
 
     /// Sheet of a triangle's cell.
@@ -90,10 +90,7 @@ impl<'a> Mesh<'a> {
     /// Whether two triangles belong to a common leaf.
     pub fn has_common_leaf(&self, t: u32, u: u32) -> bool {
         let (a, b) = (self.owners(t), self.owners(u));
-        match (a, b) {
-            ([a], [b]) => a.leaf == b.leaf,
-            _ => a.iter().any(|x| b.iter().any(|y| x.leaf == y.leaf)),
-        }
+        a.iter().any(|x| b.iter().any(|y| x.leaf == y.leaf))
     }
 
     /// A triangle with its corners.
@@ -165,6 +162,8 @@ impl Graph {
             drawing_of: vec![u32::MAX; mesh.triangles.len()],
             is_coplanar: IndexSet::default(),
         };
+        // On closed curves there are as many points as pairs of triangles.
+        points.reserve(contacts.len());
         let mut seen = vec![false; points.explicit_len()];
         for &(t, u, _) in contacts {
             for v in mesh.triangles[t as usize].into_iter().chain(mesh.triangles[u as usize]) {

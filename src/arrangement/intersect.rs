@@ -91,16 +91,16 @@ fn spot_from_signs(s: [Sign; 3]) -> Option<Spot> {
     }
 }
 
-/// Sides of the corners of `of` about the plane of `plane`; common corners are 0 without computation. `None` if the plane
-/// separates: no common point but possibly common corners.
-fn sides(of: &Corners, plane: &Corners) -> Option<[Sign; 3]> {
+/// Sides of the corners of `of` about the plane of `plane`; common corners are 0 without computation. `None` if nothing but
+/// common corners and edges reaches the plane.
+fn sides(of: &Corners, plane: &Corners, is_common: [bool; 3]) -> Option<[Sign; 3]> {
     let [a, b, c] = plane.at;
     // The axis along which the projection looks, and whether it looks against the normal.
     let (u, v) = (plane.projection.u as usize, plane.projection.v as usize);
     let axis = 3 - u - v;
     let is_parallel = a[axis] == b[axis] && b[axis] == c[axis];
     let side = |k: usize| {
-        if plane.index_of(of.ids[k]).is_some() {
+        if is_common[k] {
             return 0;
         }
         if !is_parallel {
@@ -111,7 +111,8 @@ fn sides(of: &Corners, plane: &Corners) -> Option<[Sign; 3]> {
         if (u + 1) % 3 == v { above } else { -above }
     };
     let s = [0, 1, 2].map(side);
-    if s == [1; 3] || s == [-1; 3] { None } else { Some(s) }
+    let is_apart = |turn: Sign| is_common != [true; 3] && (0..3).all(|k| s[k] == turn || is_common[k]);
+    if is_apart(1) || is_apart(-1) { None } else { Some(s) }
 }
 
 /// Common points of two triangles that are not the same; corners shared by number are among them only where they matter (as
@@ -126,11 +127,13 @@ pub struct Contact {
 
 /// Intersects two triangles; `None` if they share nothing but, perhaps, one vertex or one edge by number.
 pub fn intersect(t: &Corners, u: &Corners) -> Option<Contact> {
-    if are_apart_beside_shared_corners(t, u) || are_apart_beside_shared_corners(u, t) {
+    let common_of_t = t.ids.map(|id| u.ids.contains(&id));
+    let common_of_u = u.ids.map(|id| t.ids.contains(&id));
+    if is_beyond_an_edge(t, u, common_of_t, common_of_u) || is_beyond_an_edge(u, t, common_of_u, common_of_t) {
         return None;
     }
-    let su = sides(u, t)?;
-    let st = sides(t, u)?;
+    let su = sides(u, t, common_of_u)?;
+    let st = sides(t, u, common_of_t)?;
     let mut hits = Vec::new();
     let is_coplanar = su == [0; 3] && st == [0; 3];
     if is_coplanar {
@@ -139,24 +142,19 @@ pub fn intersect(t: &Corners, u: &Corners) -> Option<Contact> {
         edge_hits(u, &su, t, false, &mut hits);
         edge_hits(t, &st, u, true, &mut hits);
     }
-    let shared = u.ids.iter().filter(|&&v| t.index_of(v).is_some()).count();
+    let shared = common_of_u.iter().filter(|&&is_common| is_common).count();
     (hits.len() > shared || (is_coplanar && shared == 3)).then_some(Contact { hits, is_coplanar })
 }
 
 /// Whether, seen in the projection of `t`, one edge of it has all corners of `u` beyond, other than those of the edge: they then
 /// share nothing else. Most candidates are neighbours over what contact has made common, and this settles them without the signs
 /// of volumes, which for points of a common wall all need long numbers.
-fn are_apart_beside_shared_corners(t: &Corners, u: &Corners) -> bool {
+fn is_beyond_an_edge(t: &Corners, u: &Corners, common_of_t: [bool; 3], common_of_u: [bool; 3]) -> bool {
     let flat = |p: &Vec3| t.projection.apply(p);
     let [of_t, of_u] = [t.at.map(flat), u.at.map(flat)];
-    (0..3).any(|k| {
-        let l = (k + 1) % 3;
-        let is_beyond = |j: usize| {
-            let id = u.ids[j];
-            id == t.ids[k] || id == t.ids[l] || orient2d(of_t[k], of_t[l], of_u[j]) < 0
-        };
-        (0..3).all(is_beyond)
-    })
+    let is_beyond = |k: usize| (0..3).all(|j| common_of_u[j] || orient2d(of_t[k], of_t[(k + 1) % 3], of_u[j]) < 0);
+    // A common corner that is not one of the edge lies within.
+    (0..3).any(|k| !common_of_t[(k + 2) % 3] && is_beyond(k))
 }
 
 /// Adds where the corners and edges of `of` meet `face`; `of_is_first` tells which one is the first triangle of the pair.

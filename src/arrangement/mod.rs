@@ -121,7 +121,7 @@ impl<'a> SubCells<'a> {
     pub fn owners_of(&self, cell: usize) -> &[Owner] {
         let list = self.owners[cell] as usize;
         match list.checked_sub(self.input.cells.len()) {
-            None => &self.input.cells[list].owners,
+            None => self.input.owners_of(list as u32),
             Some(k) => &self.coinciding[k],
         }
     }

@@ -83,8 +83,9 @@ pub struct Points<'a> {
     explicit: &'a [Vec3],
     exponent: i32,
     implicit: Vec<Implicit>,
-    /// Interning table: grid cell to the points rounded into it.
-    grid: IndexMap<[i64; 3], Vec<u32>>,
+    /// Interning table: the last of the points rounded into each grid cell, and for each point there the one before.
+    grid: IndexMap<[i64; 3], u32>,
+    previous: Vec<u32>,
     cell: f64,
     /// Rounded places worse than this are computed exactly instead.
     worst: f64,
@@ -98,6 +99,8 @@ struct Implicit {
     exact: OnceLock<Box<ExactPoint>>,
 }
 
+/// The end of a list of points.
+const NONE: u32 = u32::MAX;
 /// Grid cells of the interning table as a fraction of the model's size: far above rounding errors (so that a point falls into
 /// one cell almost always), far below the distance of points that differ.
 const GRID_FRACTION: f64 = 1.0 / (1u64 << 34) as f64;
@@ -119,6 +122,7 @@ impl<'a> Points<'a> {
             exponent: exact::common_exponent(explicit),
             implicit: Vec::new(),
             grid: IndexMap::default(),
+            previous: Vec::new(),
             cell: size.max(far * 1e-3) * GRID_FRACTION,
             worst: size * WORST_ERROR + far * WORST_ULPS * f64::EPSILON,
             counts: SignCounts::default(),
@@ -155,7 +159,18 @@ impl<'a> Points<'a> {
 
     /// Rounded coordinates.
     pub fn at(&self, p: u32) -> Vec3 {
-        self.place(p).at
+        *self.rounded(p).0
+    }
+
+    /// Rounded coordinates and the bound of their errors: all that most signs need.
+    fn rounded(&self, p: u32) -> (&Vec3, f64) {
+        match self.explicit.get(p as usize) {
+            Some(at) => (at, 0.0),
+            None => {
+                let place = &self.implicit[p as usize - self.explicit.len()].place;
+                (&place.at, place.error)
+            }
+        }
     }
 
     fn integers(&self) -> Integers<'_> {
@@ -193,10 +208,24 @@ impl<'a> Points<'a> {
         if self.is_explicit(p) { Source::Explicit(p) } else { self.implicit[p as usize - self.explicit.len()].source.clone() }
     }
 
+    /// Makes room for more points.
+    pub fn reserve(&mut self, more: usize) {
+        self.implicit.reserve(more);
+        self.grid.reserve(more);
+    }
+
     /// Makes explicit vertices known to the interning table, so that an implicit point that falls on one gets its number.
     pub fn register(&mut self, vertex: u32) {
         let key = self.key(&self.explicit[vertex as usize]);
-        self.grid.entry(key).or_default().push(vertex);
+        self.put(key, vertex);
+    }
+
+    fn put(&mut self, key: [i64; 3], point: u32) {
+        let last = self.grid.entry(key).or_insert(NONE);
+        if self.previous.len() <= point as usize {
+            self.previous.resize(point as usize + 1, NONE);
+        }
+        self.previous[point as usize] = std::mem::replace(last, point);
     }
 
     /// The number of the point made by `source`: that of an equal point if there is one.
@@ -213,18 +242,15 @@ impl<'a> Points<'a> {
         for x in lo[0]..=hi[0] {
             for y in lo[1]..=hi[1] {
                 for z in lo[2]..=hi[2] {
-                    let Some(found) = self.grid.get(&[x, y, z]) else { continue };
-                    for &p in found {
-                        let other = self.place(p);
-                        let apart = place.error + other.error;
-                        if (0..3).any(|k| (other.at[k] - place.at[k]).abs() > apart)
-                            || (0..3).any(|k| other.fine_difference(&place, k).is_some())
-                        {
-                            continue;
-                        }
-                        let mine = exact.get_or_insert_with(|| self.integers().place(&source));
-                        if is_same(mine, &self.exact(p)) {
-                            return p;
+                    let mut next = self.grid.get(&[x, y, z]).copied().unwrap_or(NONE);
+                    while next != NONE {
+                        let p = next;
+                        next = self.previous[p as usize];
+                        if self.may_be(p, &place) {
+                            let mine = exact.get_or_insert_with(|| self.integers().place(&source));
+                            if is_same(mine, &self.exact(p)) {
+                                return p;
+                            }
                         }
                     }
                 }
@@ -237,8 +263,15 @@ impl<'a> Points<'a> {
         }
         self.implicit.push(Implicit { source, place, exact: cache });
         let key = self.key(&place.at);
-        self.grid.entry(key).or_default().push(id);
+        self.put(key, id);
         id
+    }
+
+    /// Whether a point may be at a place, as far as rounded places tell.
+    fn may_be(&self, p: u32, place: &Place) -> bool {
+        let other = self.place(p);
+        let apart = place.error + other.error;
+        (0..3).all(|k| (other.at[k] - place.at[k]).abs() <= apart && other.fine_difference(place, k).is_none())
     }
 
     fn key(&self, p: &Vec3) -> [i64; 3] {
@@ -275,9 +308,9 @@ impl<'a> Points<'a> {
         if a == b || b == c || c == a {
             return 0;
         }
-        let (pa, pb, pc) = (self.place(a), self.place(b), self.place(c));
-        let (fa, fb, fc) = (projection.apply(&pa.at), projection.apply(&pb.at), projection.apply(&pc.at));
-        let error = pa.error + pb.error + pc.error;
+        let [(pa, ea), (pb, eb), (pc, ec)] = [a, b, c].map(|p| self.rounded(p));
+        let (fa, fb, fc) = (projection.apply(pa), projection.apply(pb), projection.apply(pc));
+        let error = ea + eb + ec;
         if error == 0.0 {
             return predicates::orient2d(fa, fb, fc);
         }
@@ -293,7 +326,7 @@ impl<'a> Points<'a> {
         if det.abs() > bound {
             return predicates::sign(det);
         }
-        if let Some(sign) = fine_orient2d([&pa, &pb, &pc], projection) {
+        if let Some(sign) = fine_orient2d([a, b, c].map(|p| self.place(p)), projection) {
             return sign;
         }
         self.counts.exact.fetch_add(1, Memory::Relaxed);
@@ -305,13 +338,13 @@ impl<'a> Points<'a> {
         if a == b {
             return Ordering::Equal;
         }
-        let (pa, pb) = (self.place(a), self.place(b));
-        let difference = pa.at[axis] - pb.at[axis];
-        let error = pa.error + pb.error;
+        let [(pa, ea), (pb, eb)] = [a, b].map(|p| self.rounded(p));
+        let difference = pa[axis] - pb[axis];
+        let error = ea + eb;
         if error == 0.0 || difference.abs() > error * (1.0 + 4.0 * f64::EPSILON) {
             return difference.partial_cmp(&0.0).unwrap_or(Ordering::Equal);
         }
-        if let Some(difference) = pa.fine_difference(&pb, axis) {
+        if let Some(difference) = self.place(a).fine_difference(&self.place(b), axis) {
             return difference.partial_cmp(&0.0).unwrap_or(Ordering::Equal);
         }
         self.counts.exact.fetch_add(1, Memory::Relaxed);
@@ -321,7 +354,7 @@ impl<'a> Points<'a> {
 
 /// The sign of a turn if it is certain in double-double: two triangles of one polygon are not quite in one plane, and the lines
 /// in which they cross a third differ in the last digit.
-fn fine_orient2d([a, b, c]: [&Place; 3], projection: Projection) -> Option<Sign> {
+fn fine_orient2d([a, b, c]: [Place; 3], projection: Projection) -> Option<Sign> {
     let (u, v) = (projection.u as usize, projection.v as usize);
     let (x1, y1) = (b.fine(u) - a.fine(u), b.fine(v) - a.fine(v));
     let (x2, y2) = (c.fine(u) - a.fine(u), c.fine(v) - a.fine(v));

@@ -17,6 +17,8 @@ pub struct Item {
     pub triangle: u32,
     /// Its sheet.
     pub sheet: u32,
+    /// Whether it belongs to several leaves.
+    pub is_common: bool,
     /// The axis across which all of the sheet is level; 3 if there is none.
     level: u8,
     /// For the lower and upper side of its box along each axis: the sheet in that plane of which all its corners there are
@@ -25,18 +27,14 @@ pub struct Item {
 }
 
 impl Item {
-    /// Whether two triangles with these boxes touch in common vertices and edges only, since one rests on the other's sheet.
-    pub fn rests(&self, own: &Aabb, other: &Self, its: &Aabb) -> bool {
-        self.rests_on(own, other, its) || other.rests_on(its, self, own)
+    /// Whether two triangles touch in common vertices and edges only, since one rests on the other's sheet.
+    pub fn rests(&self, other: &Self) -> bool {
+        self.rests_on(other) || other.rests_on(self)
     }
 
-    fn rests_on(&self, own: &Aabb, other: &Self, its: &Aabb) -> bool {
+    fn rests_on(&self, other: &Self) -> bool {
         let k = usize::from(other.level);
-        if k == 3 {
-            return false;
-        }
-        (own.lo[k] == its.lo[k] && self.rests[2 * k] == other.sheet)
-            || (own.hi[k] == its.lo[k] && self.rests[2 * k + 1] == other.sheet)
+        k < 3 && (self.rests[2 * k] == other.sheet || self.rests[2 * k + 1] == other.sheet)
     }
 }
 
@@ -44,7 +42,7 @@ impl Item {
 pub struct Level {
     /// By sheet: bits of the axes across which it is level.
     axes: Vec<u8>,
-    /// By point and axis: a sheet that is level across it and has the point.
+    /// By point and axis: a sheet that is level across it and has the point; empty if there is no such sheet.
     at_point: Vec<[u32; 3]>,
     /// By edge (smaller number first) and axis likewise.
     at_edge: IndexMap<([u32; 2], u8), u32>,
@@ -68,7 +66,9 @@ impl Level {
                 axes[sheet] &= !(u8::from(!is_level) << k);
             }
         }
-        let mut level = Self { axes, at_point: vec![[NONE; 3]; points.len()], at_edge: IndexMap::default() };
+        let is_any_level = axes.iter().zip(&first).any(|(&axes, &first)| axes != 0 && first != NONE);
+        let at_point = vec![[NONE; 3]; if is_any_level { points.len() } else { 0 }];
+        let mut level = Self { axes, at_point, at_edge: IndexMap::default() };
         for &t in triangles {
             let sheet = mesh.sheet_of(t);
             let axis = level.axis(sheet);
@@ -93,8 +93,10 @@ impl Level {
     pub fn item(&self, mesh: &Mesh, triangle: u32, bounds: &Aabb) -> Item {
         let corners = mesh.triangles[triangle as usize];
         let sheet = mesh.sheet_of(triangle);
-        if corners.iter().all(|&v| self.at_point[v as usize] == [NONE; 3]) {
-            return Item { triangle, sheet, level: self.axis(sheet), rests: [NONE; 6] };
+        let is_common = mesh.owners(triangle).len() > 1;
+        let is_level = |v: &u32| self.at_point.get(*v as usize).is_some_and(|sheets| *sheets != [NONE; 3]);
+        if !corners.iter().any(is_level) {
+            return Item { triangle, sheet, is_common, level: self.axis(sheet), rests: [NONE; 6] };
         }
         let rests = std::array::from_fn(|side| {
             let (axis, limit) = (side / 2, if side % 2 == 0 { &bounds.lo } else { &bounds.hi });
@@ -109,7 +111,7 @@ impl Level {
                 _ => NONE,
             }
         });
-        Item { triangle, sheet, level: self.axis(sheet), rests }
+        Item { triangle, sheet, is_common, level: self.axis(sheet), rests }
     }
 
     fn of_edge(&self, a: u32, b: u32, axis: usize) -> u32 {

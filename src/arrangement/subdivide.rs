@@ -3,7 +3,6 @@
 use super::SubCells;
 use super::graph::{Along, Curve, Graph, Mesh, StringPiece};
 use super::point::Points;
-use crate::geom::hash::IndexMap;
 use crate::geom::predicates::{Projection, Sign};
 use rayon::prelude::*;
 use std::cmp::Ordering;
@@ -50,8 +49,8 @@ struct Drawn<'a> {
     /// Neighbours of each node in counter-clockwise order.
     around: Vec<Vec<u32>>,
     /// For a point inside a straight string and its neighbour there, the neighbour on the other side: what is known to be
-    /// straight need not be computed, which would take big integers every time.
-    opposite: IndexMap<[u32; 2], u32>,
+    /// straight need not be computed, which would take big integers every time. Sorted.
+    opposite: Vec<([u32; 2], u32)>,
     /// Whether there is anything but the boundary.
     is_plain: bool,
 }
@@ -75,7 +74,7 @@ impl<'a> Drawn<'a> {
             boundary,
             nodes: Vec::new(),
             around: Vec::new(),
-            opposite: IndexMap::default(),
+            opposite: Vec::new(),
             is_plain,
         };
         if !is_plain {
@@ -84,11 +83,9 @@ impl<'a> Drawn<'a> {
             let strings = drawing.strings.iter().map(|&string| chain_of(graph, mesh, points, string));
             for chain in sides.into_iter().chain(strings) {
                 links.extend(chain.windows(2).map(|w| [w[0], w[1]]));
-                for w in chain.windows(3) {
-                    drawn.opposite.insert([w[1], w[0]], w[2]);
-                    drawn.opposite.insert([w[1], w[2]], w[0]);
-                }
+                drawn.opposite.extend(chain.windows(3).flat_map(|w| [([w[1], w[0]], w[2]), ([w[1], w[2]], w[0])]));
             }
+            drawn.opposite.sort_by_key(|o| o.0);
             drawn.link(links, &drawing.points);
         }
         drawn
@@ -125,6 +122,12 @@ impl<'a> Drawn<'a> {
         self.around = around;
     }
 
+    /// The neighbour of a point on the other side of one.
+    fn opposite_of(&self, key: [u32; 2]) -> Option<u32> {
+        let end = self.opposite.partition_point(|o| o.0 <= key);
+        self.opposite[..end].last().filter(|o| o.0 == key).map(|o| o.1)
+    }
+
     fn turn(&self, a: u32, b: u32, c: u32) -> Sign {
         let id = |n: u32| self.nodes[n as usize];
         self.points.orient2d(id(a), id(b), id(c), self.projection)
@@ -144,7 +147,7 @@ impl<'a> Drawn<'a> {
         }
         let reference = list[0];
         let name = |n: u32| self.nodes[n as usize];
-        let straight = self.opposite.get(&[name(node), name(reference)]).copied();
+        let straight = self.opposite_of([name(node), name(reference)]);
         // Half turn in which a neighbour lies, seen from the reference: 0 itself, 1 left, 2 opposite, 3 right.
         let half = |x: u32| match x {
             _ if x == reference => 0,

@@ -25,17 +25,9 @@ pub fn boxes(list: &[[[f64; 3]; 2]]) -> Conforming {
         {
             let quad = q.map(|k: usize| ids[k]);
             let cell = out.cells.len() as u32;
-            out.cells.push(Cell {
-                owners: vec![Owner { leaf: LeafId(leaf as u32), facet: facet as u32, is_flipped: false }],
-                loops: vec![quad.to_vec()],
-                sheet: cell,
-                is_near: true,
-                fate: Default::default(),
-            });
-            for t in polygon::triangulate(&[&quad], &[], &[], &out.points).unwrap() {
-                out.triangles.push(t);
-                out.cell_of_triangle.push(cell);
-            }
+            let owner = Owner { leaf: LeafId(leaf as u32), facet: facet as u32, is_flipped: false };
+            let triangles = polygon::triangulate(&[&quad], &[], &[], &out.points).unwrap();
+            out.push(Cell { sheet: cell, is_near: true, fate: Default::default() }, &[owner], &triangles);
         }
     }
     out
@@ -96,12 +88,12 @@ fn settled(upper: [[f64; 3]; 2]) -> usize {
     let level = rests::Level::new(&mesh, &compared);
     let item = |t: u32| {
         let bounds = Aabb::around(mesh.triangles[t as usize].map(|v| &input.points[v as usize]));
-        (level.item(&mesh, t, &bounds), bounds)
+        level.item(&mesh, t, &bounds)
     };
     let of = |leaf: u32, range: std::ops::Range<u32>| {
         compared.iter().filter(move |&&t| facet(t).0 == leaf && range.contains(&facet(t).1)).map(|&t| item(t))
     };
-    of(1, 2..6).flat_map(|wall| of(0, 1..2).map(move |cap| wall.0.rests(&wall.1, &cap.0, &cap.1))).filter(|&s| s).count()
+    of(1, 2..6).flat_map(|wall| of(0, 1..2).map(move |cap| wall.rests(&cap))).filter(|&s| s).count()
 }
 
 #[test]

@@ -6,7 +6,7 @@ use crate::arrangement::point::Source;
 use crate::arrangement::projection_of_triangle;
 use crate::diag::Diagnostic;
 use crate::geom::Vec3;
-use crate::geom::aabb::Aabb;
+use crate::geom::aabb::{Aabb, Segment};
 use crate::geom::lists::Lists;
 use crate::geom::predicates::{Sign, orient3d};
 
@@ -31,7 +31,7 @@ impl<'a> Rays<'a> {
         let mut leaf_boxes: Vec<Aabb> = Vec::new();
         for (t, corners) in input.triangles.iter().enumerate() {
             let own = Aabb::around(corners.map(|v| &input.points[v as usize]));
-            for owner in &input.cells[input.cell_of_triangle[t] as usize].owners {
+            for owner in input.owners_of_triangle(t as u32) {
                 let leaf = owner.leaf.0 as usize;
                 if leaf_boxes.len() <= leaf {
                     leaf_boxes.resize(leaf + 1, Aabb::EMPTY);
@@ -89,7 +89,10 @@ impl<'a> Rays<'a> {
     fn is_inside(&self, from: &Origin, triangles: &[u32]) -> Result<bool, Diagnostic> {
         for attempt in 0..TRIES {
             let target = self.far_point(attempt);
-            let crossings = triangles.iter().try_fold(0u32, |n, &t| Some(n + u32::from(self.crosses(from, &target, t)?)));
+            let segment = Segment::new(&from.near, &target);
+            let is_near = |t: &&u32| segment.may_meet(&self.bounds_of(**t), 1.0);
+            let mut near = triangles.iter().filter(is_near);
+            let crossings = near.try_fold(0u32, |n, &t| Some(n + u32::from(self.crosses(from, &target, t)?)));
             if let Some(n) = crossings {
                 return Ok(n % 2 == 1);
             }
@@ -105,14 +108,15 @@ impl<'a> Rays<'a> {
         self.arrangement.points.coarse(&(self.bounds.center() + direction.normalize() * (2.0 * self.bounds.diagonal())))
     }
 
-    /// Whether the open segment crosses a triangle; `None` if it meets its boundary.
+    fn bounds_of(&self, triangle: u32) -> Aabb {
+        Aabb::around(self.arrangement.input.triangles[triangle as usize].map(|v| &self.arrangement.input.points[v as usize]))
+    }
+
+    /// Whether the open segment crosses a triangle whose box it may meet; `None` if it meets its boundary.
     fn crosses(&self, from: &Origin, to: &Vec3, triangle: u32) -> Option<bool> {
         let input = self.arrangement.input;
         let ids = input.triangles[triangle as usize];
         let [a, b, c] = ids.map(|v| &input.points[v as usize]);
-        if !Aabb::around([a, b, c]).may_meet(&from.near, to) {
-            return Some(false);
-        }
         let above = orient3d(a, b, c, to);
         let below = self.orient(from, [Some(ids[0]), Some(ids[1]), Some(ids[2])], to);
         if above == 0 || below == 0 || above == below {

@@ -85,6 +85,12 @@ impl<'a> Body<'a> {
     pub fn is_triangle(&self, facet: u32) -> bool {
         matches!(self.own_loops(facet), [walk] if walk.len() == 3)
     }
+    /// The corners of a facet that is one triangle, as points.
+    pub fn triangle(&self, facet: u32) -> [u32; 3] {
+        let ids = self.points_of_leaf(self.leaf_of_facet[facet as usize]);
+        let walk = &self.own_loops(facet)[0];
+        [0, 1, 2].map(|k| ids[walk[k] as usize])
+    }
     /// The point of each vertex of the facet's leaf.
     pub fn points_of_leaf(&self, leaf: u32) -> &[u32] {
         &self.point_of_vertex[self.first_vertex[leaf as usize] as usize..self.first_vertex[leaf as usize + 1] as usize]

@@ -17,8 +17,6 @@ type HalfEdge<'a> = DirectedEdgeHandle<'a, Point2<f64>, (), spade::CdtEdge<()>, 
 /// A cell before it is known which other sheets have it too.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Draft {
-    /// Number of the sheet that it is a cell of.
-    pub sheet: u32,
     /// The facets that it is a piece of.
     pub owners: Vec<Owner>,
     /// Outer loop first, counter-clockwise, then holes.
@@ -36,22 +34,22 @@ pub(super) struct Tangled {
     pub point: u32,
 }
 
-/// The cell of a facet on which nothing lies, yet without its loops.
-pub(super) fn whole(facet: u32, loops: &[Vec<u32>], body: &Body) -> Result<Draft, Tangled> {
-    let triangles = match loops {
+/// The cell of a facet, or a piece of one, on which nothing lies.
+pub(super) fn plain(facet: u32, loops: Vec<Vec<u32>>, body: &Body) -> Result<Draft, Tangled> {
+    let triangles = match &loops[..] {
         [walk] => polygon::triangulate(&[walk], &[], &[], &body.points),
         _ => polygon::triangulate(&loops.iter().map(Vec::as_slice).collect::<Vec<_>>(), &[], &[], &body.points),
     };
     match triangles {
-        Ok(triangles) => Ok(Draft { owners: vec![body.owner(facet, false)], triangles, ..Draft::default() }),
+        Ok(triangles) => Ok(Draft { owners: vec![body.owner(facet, false)], loops, triangles, ..Draft::default() }),
         Err(_) => Err(Tangled { point: loops.first().and_then(|w| w.first()).copied().unwrap_or(0) }),
     }
 }
 
-/// The cell of a facet, or a piece of one, on which nothing lies.
-pub(super) fn plain(facet: u32, loops: Vec<Vec<u32>>, body: &Body) -> Result<Draft, Tangled> {
-    let draft = whole(facet, &loops, body)?;
-    Ok(Draft { loops, ..draft })
+/// The same for a facet of one triangle.
+pub(super) fn triangle(facet: u32, body: &Body) -> Result<[u32; 3], Tangled> {
+    let corners = body.triangle(facet);
+    polygon::triangle(corners, &body.points).map_err(|_| Tangled { point: corners[0] })
 }
 
 /// The cells of a sheet, counter-clockwise about the normal of its reference facet. O(n log n) in its edges, plus the owners.
@@ -65,11 +63,11 @@ pub(super) fn trace(sheet: &Sheet, outlines: &[Outline], body: &Body, tolerance:
     let mut edges: Vec<[u32; 2]> = borders.iter().map(|b| b.ends).chain(sheet.segments.iter().copied()).collect();
     edges.sort_unstable();
     edges.dedup();
-    let mut vertices: Vec<u32> = edges.iter().flatten().chain(&sheet.lone).copied().collect();
+    let mut vertices: Vec<u32> = edges.iter().flatten().chain(sheet.lone).copied().collect();
     vertices.sort_unstable();
     vertices.dedup();
     let mut cdt = triangulate(&vertices, &edges, reference.projection, points)?;
-    add_chords(&mut cdt, &sheet.chords, &vertices, |v, [a, b]| {
+    add_chords(&mut cdt, sheet.chords, &vertices, |v, [a, b]| {
         passes(&[a, b].map(|k| points[vertices[k] as usize]), &points[vertices[v] as usize], tolerance)
     });
     let pieces = Pieces::new(&cdt);
@@ -112,7 +110,7 @@ struct Border {
 
 fn borders(sheet: &Sheet, outlines: &[Outline]) -> Vec<Border> {
     let mut borders = Vec::new();
-    for &member in &sheet.members {
+    for &member in sheet.members {
         let outline = &outlines[member as usize];
         let is_flipped = outline.normal.dot(&outlines[sheet.reference as usize].normal) < 0.0;
         borders.extend(sides(&outline.loops).map(|[a, b]| Border {

@@ -20,19 +20,47 @@ pub struct Conforming {
     pub cell_of_triangle: Vec<u32>,
     /// Cells.
     pub cells: Vec<Cell>,
+    /// The facets that the cells are pieces of, one cell after the other; see [`Self::owners_of`].
+    pub owners: Vec<Owner>,
+    /// For each cell, the end of its facets in `owners`.
+    pub owner_ends: Vec<u32>,
     /// Tolerance used, in the scene's unit.
     pub tolerance: f64,
     /// Boxes of the facets as they came.
     pub trees: FacetTrees,
 }
 
+impl Conforming {
+    /// Adds a cell with its owners in leaf order, the first of them not flipped, and its triangles.
+    pub fn push(&mut self, cell: Cell, owners: &[Owner], triangles: &[[u32; 3]]) {
+        self.cell_of_triangle.resize(self.triangles.len() + triangles.len(), self.cells.len() as u32);
+        self.triangles.extend_from_slice(triangles);
+        self.owners.extend_from_slice(owners);
+        self.owner_ends.push(self.owners.len() as u32);
+        self.cells.push(cell);
+    }
+    /// Makes room for more cells, most of which have one owner and one triangle or two.
+    pub(super) fn reserve(&mut self, cells: usize) {
+        self.cells.reserve(cells);
+        self.owners.reserve(cells);
+        self.owner_ends.reserve(cells);
+        self.triangles.reserve(cells);
+        self.cell_of_triangle.reserve(cells);
+    }
+    /// The facets that a cell is a piece of, in leaf order.
+    pub fn owners_of(&self, cell: u32) -> &[Owner] {
+        let first = if cell == 0 { 0 } else { self.owner_ends[cell as usize - 1] };
+        &self.owners[first as usize..self.owner_ends[cell as usize] as usize]
+    }
+    /// The facets that a triangle is a piece of.
+    pub fn owners_of_triangle(&self, triangle: u32) -> &[Owner] {
+        self.owners_of(self.cell_of_triangle[triangle as usize])
+    }
+}
+
 /// A planar polygon of one or several facets.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Cell {
-    /// The facets that it is a piece of, in leaf order.
-    pub owners: Vec<Owner>,
-    /// Its boundary: outer loop first, counter-clockwise about its orientation, then holes.
-    pub loops: Vec<Vec<u32>>,
     /// Cells of one sheet are cells of one triangulation: they share vertices and edges and nothing else.
     pub sheet: u32,
     /// Whether a facet of another leaf comes near one of its facets: nothing can cut or touch other cells.

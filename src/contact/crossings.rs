@@ -14,6 +14,9 @@ const MAX_ROUNDS: usize = 16;
 /// Relative error of a cross product of two differences, generously.
 const NORMAL_ERROR: f64 = 16.0 * f64::EPSILON;
 
+/// Tolerances that are more than one whatever the rounding: the smallest is of four units in the last place.
+const CLEARLY: f64 = 4.0;
+
 /// Two edges within the tolerance.
 struct Meeting {
     edges: [u32; 2],
@@ -139,7 +142,13 @@ fn meet(body: &Body, set: &EdgeSet, edges: [u32; 2], tolerance: f64) -> Option<M
     let [p, q] = edges.map(|e| set.ends(e, &body.points));
     let (d, e, between) = (p[1] - p[0], q[1] - q[0], q[0] - p[0]);
     let normal = d.cross(&e);
-    let (area, sides) = (normal.norm(), d.norm() * e.norm());
+    let (area, lengths) = (normal.norm(), [d.norm(), e.norm()]);
+    let sides = lengths[0] * lengths[1];
+    // The most frequent case: two edges with a common end, whose other ends are well beside the other edge.
+    let is_joined = ids[0].iter().any(|v| ids[1].contains(v));
+    if is_joined && area > CLEARLY * tolerance * lengths[0].max(lengths[1]) {
+        return None;
+    }
     // Cheapest rejection: their lines stay apart. The second term is the rounding error of the normal, which decides when they
     // are nearly parallel.
     if between.dot(&normal).abs() > tolerance * area + NORMAL_ERROR * between.norm() * sides {
@@ -176,7 +185,7 @@ fn meet(body: &Body, set: &EdgeSet, edges: [u32; 2], tolerance: f64) -> Option<M
         });
     }
     // Two straight edges with a common end do not cross elsewhere.
-    if ids[0].iter().any(|v| ids[1].contains(v)) {
+    if is_joined {
         return None;
     }
     let x = across(&p, &q, tolerance)?;

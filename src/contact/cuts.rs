@@ -20,7 +20,7 @@ pub(super) fn cut(sheet: &Sheet, outlines: &[Outline], body: &Body, tolerance: f
     if !sheet.segments.iter().all(|&ends| divide(&mut walks, ends)) {
         return None;
     }
-    let mut chords = sheet.chords.clone();
+    let mut chords = sheet.chords.to_vec();
     while let Some([a, b]) = chords.pop() {
         let line = [a, b].map(|v| points[v as usize]);
         let is_passed = |v: &&u32| passes(&line, &points[**v as usize], tolerance);

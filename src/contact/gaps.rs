@@ -6,6 +6,7 @@ use super::conforming::Conforming;
 use super::outline::{Outline, sides};
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
+use crate::geom::hash::IndexMap;
 use crate::geom::lists::Lists;
 use crate::ids::LeafId;
 use crate::primitive::solid::Solid;
@@ -13,6 +14,9 @@ use std::ops::ControlFlow;
 
 /// Gaps up to this many tolerances are suspicious: whoever wants a gap writes one that a mesh can resolve.
 pub const GAP: f64 = 100.0;
+
+/// Outlines of the facets that are compared.
+type Outlines = IndexMap<u32, Outline>;
 
 /// Two leaves that come near without touching or crossing.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -35,12 +39,12 @@ pub fn nearly_touching(solids: &[Solid], conforming: &Conforming) -> Vec<Gap> {
         return Vec::new();
     }
     let body = Body::apart(solids, conforming.tolerance);
-    let mut outlines: Vec<Option<Outline>> = std::iter::repeat_with(|| None).take(body.facet_count()).collect();
+    let mut outlines = Outlines::default();
     pairs.iter().filter_map(|&leaves| gap(&body, &conforming.trees, &mut outlines, leaves, reach)).collect()
 }
 
 /// The gap between two leaves, unless it is wider than `reach` or they cross. `outlines` of facets are made when needed.
-fn gap(body: &Body, trees: &FacetTrees, outlines: &mut [Option<Outline>], leaves: [u32; 2], reach: f64) -> Option<Gap> {
+fn gap(body: &Body, trees: &FacetTrees, outlines: &mut Outlines, leaves: [u32; 2], reach: f64) -> Option<Gap> {
     let first = leaves.map(|l| body.first_facet[l as usize]);
     let mut is_crossing = false;
     // Of equal distances the one between the first facets counts, in whatever order they come.
@@ -48,9 +52,9 @@ fn gap(body: &Body, trees: &FacetTrees, outlines: &mut [Option<Outline>], leaves
     trees.visit(leaves, reach, |f, g| {
         let pair = [first[0] + f, first[1] + g];
         for f in pair {
-            outlines[f as usize].get_or_insert_with(|| Outline::new(f, body.loops(f), None, &body.points));
+            outlines.entry(f).or_insert_with(|| Outline::new(f, body.loops(f), None, &body.points));
         }
-        let [Some(f), Some(g)] = pair.map(|f| outlines[f as usize].as_ref()) else { return ControlFlow::Continue(()) };
+        let [Some(f), Some(g)] = pair.map(|f| outlines.get(&f)) else { return ControlFlow::Continue(()) };
         match distance(f, g, reach, &body.points) {
             None => {
                 is_crossing = true;
@@ -71,16 +75,13 @@ fn gap(body: &Body, trees: &FacetTrees, outlines: &mut [Option<Outline>], leaves
 
 /// Those of `pairs`, which are sorted, that have no point in common.
 fn apart(conforming: &Conforming, pairs: &[[u32; 2]]) -> Vec<[u32; 2]> {
-    let cell_of = |t: usize| &conforming.cells[conforming.cell_of_triangle[t] as usize];
-    let near = conforming.triangles.iter().enumerate().filter(|(t, _)| cell_of(*t).is_near);
-    let corners: Vec<(u32, u32)> = near.flat_map(|(t, corners)| corners.map(|v| (v, t as u32))).collect();
-    let triangles_at = Lists::new(conforming.points.len(), &corners);
+    let leaves_at = leaves_at_common_points(conforming);
     let mut is_apart = vec![true; pairs.len()];
     let mut left = pairs.len();
     let mut leaves: Vec<u32> = Vec::new();
     for v in 0..conforming.points.len() as u32 {
         leaves.clear();
-        leaves.extend(triangles_at.of(v).iter().flat_map(|&t| cell_of(t as usize).owners.iter().map(|o| o.leaf.0)));
+        leaves.extend(leaves_at.of(v));
         leaves.sort_unstable();
         leaves.dedup();
         for (k, &a) in leaves.iter().enumerate() {
@@ -94,6 +95,24 @@ fn apart(conforming: &Conforming, pairs: &[[u32; 2]]) -> Vec<[u32; 2]> {
         }
     }
     pairs.iter().zip(is_apart).filter(|p| p.1).map(|p| *p.0).collect()
+}
+
+/// For every point that several leaves have, those, once for each of their triangles there; none for other points.
+fn leaves_at_common_points(conforming: &Conforming) -> Lists {
+    const NONE: u32 = u32::MAX;
+    const SEVERAL: u32 = u32::MAX - 1;
+    let is_near = |t: &u32| conforming.cells[conforming.cell_of_triangle[*t as usize] as usize].is_near;
+    let uses = || {
+        let near = (0..conforming.triangles.len() as u32).filter(is_near);
+        let of_leaves = near.flat_map(|t| conforming.owners_of_triangle(t).iter().map(move |o| (t, o.leaf.0)));
+        of_leaves.flat_map(|(t, leaf)| conforming.triangles[t as usize].map(|v| (v, leaf)))
+    };
+    let mut leaf_at = vec![NONE; conforming.points.len()];
+    for (v, leaf) in uses() {
+        let known = &mut leaf_at[v as usize];
+        *known = if *known == NONE || *known == leaf { leaf } else { SEVERAL };
+    }
+    Lists::from_iter(conforming.points.len(), uses().filter(|u| leaf_at[u.0 as usize] == SEVERAL))
 }
 
 /// Distance of two planar facets and a place of it, if it is at most `reach`, or `None` if they cross.

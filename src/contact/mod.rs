@@ -13,7 +13,7 @@
 //!    several facets in one plane.
 //! 6. [`cells`]: each sheet is one constrained triangulation, cut along its edges into cells, each with the facets that cover it;
 //!    [`cuts`] does the simplest ones.
-//! 7. [`assemble`]: the same cell from two sheets is one cell. [`verify`]: every leaf is still what it was.
+//! 7. [`assemble`]: the same cell from two sheets is one cell ([`drafts`]). [`verify`]: every leaf is still what it was.
 //!
 //! [`nearly_touching`] finds the gaps that are left and were hardly meant.
 //!
@@ -31,6 +31,7 @@ mod chords;
 pub mod conforming;
 mod crossings;
 mod cuts;
+mod drafts;
 mod edges;
 mod gaps;
 mod outline;

@@ -21,12 +21,27 @@ pub(super) struct Outline {
     /// Loops as they came, if they differ. What is not on the outline is further from it than the tolerance, hence inside both or
     /// neither.
     frame: Option<Vec<Vec<u32>>>,
-    /// Of a long outline the edges, lower point first, sorted; a short one is searched as it is.
+    /// What a long outline is searched by; a short one is searched as it is.
+    index: Option<Box<Index>>,
+}
+
+struct Index {
+    /// Edges, lower point first, sorted.
     sides: Vec<[u32; 2]>,
-    /// Of a long outline the points, sorted.
+    /// Points, sorted.
     corners: Vec<u32>,
-    /// Of a long outline the sides as they came, seen along the projection.
+    /// Sides as they came, seen along the projection.
     figure: Vec<[[f64; 2]; 2]>,
+}
+
+impl Index {
+    fn new(loops: &[Vec<u32>], frame: &[Vec<u32>], flat: impl Fn(u32) -> [f64; 2]) -> Self {
+        let mut edges: Vec<[u32; 2]> = sides(loops).map(|[a, b]| [a.min(b), a.max(b)]).collect();
+        edges.sort_unstable();
+        let mut corners = loops.concat();
+        corners.sort_unstable();
+        Self { sides: edges, corners, figure: sides(frame).map(|side| side.map(&flat)).collect() }
+    }
 }
 
 /// Points from which on an outline is long: most facets have three or four, and need no more than their loops.
@@ -40,21 +55,15 @@ impl Outline {
         let normal = if area > 0.0 { vector / area } else { Vec3::zeros() };
         let origin = corners.first().and_then(|w| w.first()).map_or(Vec3::zeros(), |&v| points[v as usize]);
         let bounds = Aabb::around(corners.first().into_iter().flatten().map(|&v| &points[v as usize]));
-        let (loops, frame) = match set.and_then(|s| s.expand(&corners)) {
+        let (loops, frame) = match set.and_then(|s| s.expand(facet, &corners)) {
             Some(loops) => (loops, Some(corners)),
             None => (corners, None),
         };
         let projection = Projection::along(&normal);
-        let (mut edges, mut sorted, mut figure) = (Vec::new(), Vec::new(), Vec::new());
-        if loops.iter().map(Vec::len).sum::<usize>() >= LONG {
-            edges.extend(sides(&loops).map(|[a, b]| [a.min(b), a.max(b)]));
-            edges.sort_unstable();
-            sorted.extend(loops.iter().flatten().copied());
-            sorted.sort_unstable();
-            let frame = frame.as_ref().unwrap_or(&loops);
-            figure.extend(sides(frame).map(|side| side.map(|v| projection.apply(&points[v as usize]))));
-        }
-        Self { facet, normal, origin, area, projection, bounds, loops, frame, sides: edges, corners: sorted, figure }
+        let is_long = loops.iter().map(Vec::len).sum::<usize>() >= LONG;
+        let flat = |v: u32| projection.apply(&points[v as usize]);
+        let index = is_long.then(|| Box::new(Index::new(&loops, frame.as_ref().unwrap_or(&loops), flat)));
+        Self { facet, normal, origin, area, projection, bounds, loops, frame, index }
     }
     /// Signed distance from the plane.
     pub fn height(&self, p: &Vec3) -> f64 {
@@ -70,17 +79,17 @@ impl Outline {
     }
     /// Whether a point is one of the outline.
     pub fn has_corner(&self, point: u32) -> bool {
-        if self.corners.is_empty() {
-            return self.loops.iter().any(|w| w.contains(&point));
+        match &self.index {
+            Some(index) => index.corners.binary_search(&point).is_ok(),
+            None => self.loops.iter().any(|w| w.contains(&point)),
         }
-        self.corners.binary_search(&point).is_ok()
     }
     /// Whether two points are joined by an edge of the outline.
     pub fn has_side(&self, [a, b]: [u32; 2]) -> bool {
-        if self.sides.is_empty() {
-            return sides(&self.loops).any(|s| s == [a, b] || s == [b, a]);
+        match &self.index {
+            Some(index) => index.sides.binary_search(&[a.min(b), a.max(b)]).is_ok(),
+            None => sides(&self.loops).any(|s| s == [a, b] || s == [b, a]),
         }
-        self.sides.binary_search(&[a.min(b), a.max(b)]).is_ok()
     }
     /// Whether a place that is not on the outline lies inside it, seen along the projection.
     pub fn encloses(&self, p: &Vec3, points: &[Vec3]) -> bool {
@@ -92,9 +101,9 @@ impl Outline {
         // Sides that a ray from the place along the first axis crosses.
         let is_crossed = |[a, b]: [[f64; 2]; 2]| (a[1] > q[1]) != (b[1] > q[1]) && (orient2d(a, b, q) > 0) == (b[1] > a[1]);
         let flat = |v: u32| self.projection.apply(&points[v as usize]);
-        let crossed = match &self.figure[..] {
-            [] => sides(self.frame()).filter(|side| is_crossed(side.map(flat))).count(),
-            figure => figure.iter().filter(|side| is_crossed(**side)).count(),
+        let crossed = match &self.index {
+            Some(index) => index.figure.iter().filter(|side| is_crossed(**side)).count(),
+            None => sides(self.frame()).filter(|side| is_crossed(side.map(flat))).count(),
         };
         crossed % 2 == 1
     }

@@ -7,6 +7,8 @@ use super::edges::EdgeSet;
 use super::outline::Outline;
 use super::weld::{MAX_MESSAGES, chain};
 use crate::diag::{Diagnostic, Outcome, Tally};
+use crate::geom::lists::Lists;
+use crate::geom::union_find::UnionFind;
 use rayon::prelude::*;
 
 /// Facets belong to one sheet if they lie within this part of the tolerance of its plane: two of them are then within the
@@ -16,34 +18,54 @@ const SHEET_SHARE: f64 = 0.5;
 pub(super) const CHAIN_REACH: f64 = 2.0;
 
 /// Facets in one plane that overlap, with what else lies on them. Facets are given by their slots in `Sheets::outlines`.
-#[derive(Default)]
-pub(super) struct Sheet {
+#[derive(Clone, Copy)]
+pub(super) struct Sheet<'a> {
     /// The members; the one whose plane counts is the largest.
-    pub members: Vec<u32>,
+    pub members: &'a [u32],
     pub reference: u32,
     /// Edges of other facets that run inside a member.
-    pub segments: Vec<[u32; 2]>,
+    pub segments: &'a [[u32; 2]],
     /// Points of other facets that lie inside a member.
-    pub lone: Vec<u32>,
+    pub lone: &'a [u32],
     /// Where other facets cross a member, unless a segment does.
-    pub chords: Vec<[u32; 2]>,
+    pub chords: &'a [[u32; 2]],
 }
 
-impl Sheet {
+impl Sheet<'_> {
     /// Whether it is one facet with nothing on it.
     pub fn is_plain(&self) -> bool {
         self.members.len() == 1 && self.segments.is_empty() && self.lone.is_empty() && self.chords.is_empty()
     }
 }
 
-/// All active facets.
+/// All active facets, and their sheets in the order of the first members.
 pub(super) struct Sheets {
     /// Active facets in ascending order.
     pub outlines: Vec<Outline>,
     /// For every facet of the scene its slot in `outlines`, or `u32::MAX`.
     pub slot: Vec<u32>,
-    /// Sheets in the order of their first members.
-    pub sheets: Vec<Sheet>,
+    references: Vec<u32>,
+    members: Lists,
+    segments: Lists<[u32; 2]>,
+    lone: Lists,
+    chords: Lists<[u32; 2]>,
+}
+
+impl Sheets {
+    /// Number of sheets.
+    pub fn len(&self) -> usize {
+        self.references.len()
+    }
+    /// One of them.
+    pub fn sheet(&self, k: u32) -> Sheet<'_> {
+        Sheet {
+            members: self.members.of(k),
+            reference: self.references[k as usize],
+            segments: self.segments.of(k),
+            lone: self.lone.of(k),
+            chords: self.chords.of(k),
+        }
+    }
 }
 
 /// Gathers the sheets. The edges must have been connected.
@@ -57,16 +79,17 @@ pub(super) fn gather(body: &Body, set: &mut EdgeSet, pairs: &[[u32; 2]], names: 
         active.iter().map(|&f| Outline::new(f, body.loops(f), Some(set), &body.points)).collect()
     };
     let pairs: Vec<[u32; 2]> = pairs.iter().map(|p| p.map(|f| slot[f as usize])).collect();
-    let (mut sheets, sheet_of) = group(body, &outlines, &pairs);
+    let (references, sheet_of) = group(body, &outlines, &pairs);
     let landed = landings(body, set, &outlines, &pairs, &sheet_of);
+    let (mut lone, mut segments, mut chords) = (Vec::new(), Vec::new(), Vec::new());
     let (mut inside, mut near_misses) = (Vec::new(), Vec::new());
     for landing in &landed {
         let outline = &outlines[landing.on as usize];
         let leaf = body.leaf_of_facet[outline.facet as usize];
-        let sheet = &mut sheets[sheet_of[landing.on as usize] as usize];
+        let sheet = sheet_of[landing.on as usize];
         match landing.what {
             What::Point(p) if set.put_into_facet(outline.facet, leaf, p) => {
-                sheet.lone.push(p);
+                lone.push((sheet, p));
                 inside.push((landing.on, p));
             }
             What::Point(_) => {}
@@ -74,62 +97,60 @@ pub(super) fn gather(body: &Body, set: &mut EdgeSet, pairs: &[[u32; 2]], names: 
             // Points come before the segments that they end.
             What::Segment(ends) => {
                 if ends.iter().all(|&v| outline.has_corner(v) || set.put_into_facet(outline.facet, leaf, v)) {
-                    sheet.segments.push(ends);
+                    segments.push((sheet, ends));
                 }
             }
         }
     }
     for chord in chords::find(body, &outlines, &sheet_of, &inside) {
-        chord.facets.iter().for_each(|&slot| sheets[sheet_of[slot as usize] as usize].chords.push(chord.ends));
+        chords.extend(chord.facets.map(|slot| (sheet_of[slot as usize], chord.ends)));
     }
     let errors = chains(body, &outlines, &landed, &near_misses, names);
-    if errors.is_empty() { Ok(Sheets { outlines, slot, sheets }) } else { Err(errors) }
+    if !errors.is_empty() {
+        return Err(errors);
+    }
+    let count = references.len();
+    let members = Lists::from_iter(count, sheet_of.iter().copied().zip(0..));
+    let (segments, lone, chords) = (Lists::new(count, &segments), Lists::new(count, &lone), Lists::new(count, &chords));
+    Ok(Sheets { outlines, slot, references, members, segments, lone, chords })
 }
 
-/// Sheets of level facets that overlap, and the sheet of each facet.
-fn group(body: &Body, outlines: &[Outline], pairs: &[[u32; 2]]) -> (Vec<Sheet>, Vec<u32>) {
-    let mut root: Vec<u32> = (0..outlines.len() as u32).collect();
-    fn find(root: &mut [u32], mut k: u32) -> u32 {
-        while root[k as usize] != k {
-            root[k as usize] = root[root[k as usize] as usize];
-            k = root[k as usize];
-        }
-        k
-    }
+/// Sheets of level facets that overlap: the reference of each sheet, and the sheet of each facet.
+fn group(body: &Body, outlines: &[Outline], pairs: &[[u32; 2]]) -> (Vec<u32>, Vec<u32>) {
+    let mut sets = UnionFind::new(outlines.len());
+    let mut is_alone = vec![true; outlines.len()];
     for &[f, g] in pairs {
-        let (i, j) = (find(&mut root, f), find(&mut root, g));
-        if i != j && are_overlapping(body, &outlines[f as usize], &outlines[g as usize]) {
-            root[i.max(j) as usize] = i.min(j);
+        if sets.find(f) != sets.find(g) && are_overlapping(body, &outlines[f as usize], &outlines[g as usize]) {
+            sets.join(f, g);
+            (is_alone[f as usize], is_alone[g as usize]) = (false, false);
         }
     }
     let largest = |a: u32, b: u32| if outlines[b as usize].area > outlines[a as usize].area { b } else { a };
-    let mut reference: Vec<u32> = (0..outlines.len() as u32).collect();
+    let mut largest_of: Vec<u32> = (0..outlines.len() as u32).collect();
     for k in 0..outlines.len() as u32 {
-        let r = find(&mut root, k) as usize;
-        reference[r] = largest(reference[r], k);
+        let r = sets.find(k) as usize;
+        largest_of[r] = largest(largest_of[r], k);
     }
     // Facets that left the plane step by step are sheets of their own: their edges then count like those of any other.
-    let mut sheets: Vec<Sheet> = Vec::new();
     let mut number = vec![u32::MAX; outlines.len()];
+    let mut references = Vec::with_capacity(outlines.len());
     let mut sheet_of = Vec::with_capacity(outlines.len());
     for (k, outline) in outlines.iter().enumerate() {
-        let r = find(&mut root, k as u32) as usize;
-        let main = reference[r];
+        let r = sets.find(k as u32) as usize;
+        let main = largest_of[r];
         let share = level(body, outline.facet, outlines[main as usize].facet);
-        let stays = outlines[main as usize].is_level_with(outline, share, &body.points);
-        if !stays || number[r] == u32::MAX {
-            if stays {
-                number[r] = sheets.len() as u32;
-            }
-            sheet_of.push(sheets.len() as u32);
-            let reference = if stays { main } else { k as u32 };
-            sheets.push(Sheet { members: vec![k as u32], reference, ..Sheet::default() });
-        } else {
-            sheet_of.push(number[r]);
-            sheets[number[r] as usize].members.push(k as u32);
+        if is_alone[k] || !outlines[main as usize].is_level_with(outline, share, &body.points) {
+            sheet_of.push(references.len() as u32);
+            references.push(k as u32);
+            continue;
         }
+        if number[r] == u32::MAX {
+            number[r] = references.len() as u32;
+            references.push(main);
+        }
+        sheet_of.push(number[r]);
     }
-    (sheets, sheet_of)
+    (references, sheet_of)
 }
 
 fn level(body: &Body, f: u32, g: u32) -> f64 {
@@ -143,6 +164,7 @@ fn are_overlapping(body: &Body, f: &Outline, g: &Outline) -> bool {
 }
 
 /// Something of one facet that lies on another.
+#[derive(Clone)]
 struct Landing {
     on: u32,
     what: What,
@@ -168,7 +190,7 @@ fn landings(body: &Body, set: &EdgeSet, outlines: &[Outline], pairs: &[[u32; 2]]
     };
     if pairs.len() >= PARALLEL_FROM {
         let lists: Vec<Vec<Landing>> = pairs.par_chunks(pairs.len().div_ceil(256)).map(search).collect();
-        lists.into_iter().flatten().collect()
+        lists.concat()
     } else {
         search(pairs)
     }

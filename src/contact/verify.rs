@@ -20,7 +20,7 @@ pub(super) fn verify(body: &Body, conforming: &Conforming, names: Names) -> Outc
     let mut open = vec![Vec3::zeros(); count];
     for (k, t) in conforming.triangles.iter().enumerate() {
         let [a, b, c] = t.map(|v| conforming.points[v as usize]);
-        for owner in &conforming.cells[conforming.cell_of_triangle[k] as usize].owners {
+        for owner in conforming.owners_of_triangle(k as u32) {
             let leaf = owner.leaf.0 as usize;
             let turn = if owner.is_flipped { -1.0 } else { 1.0 };
             let o = origins[leaf];

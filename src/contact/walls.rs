@@ -35,8 +35,9 @@ impl Walls {
         };
         let mut sets = UnionFind::new(body.facet_count());
         let mut inner: Vec<(u32, u32)> = Vec::new();
-        for uses in set.uses.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-            if let &[(edge, _, f), (_, _, g)] = uses
+        let by_leaf = |edge: u32| set.uses.of(edge).chunk_by(|a, b| a.0 == b.0).map(move |uses| (edge, uses));
+        for (edge, uses) in (0..set.edges.len() as u32).flat_map(by_leaf) {
+            if let &[(_, f), (_, g)] = uses
                 && !body.fate(f).is_aside()
                 && !body.fate(g).is_aside()
                 && is_flat(f, g)
@@ -84,10 +85,12 @@ impl Walls {
     }
     /// The points on edges of walls: (point, wall).
     pub fn points(&self, set: &EdgeSet) -> Vec<(u32, u32)> {
-        let mut points = Vec::with_capacity(2 * set.uses.len());
-        for &(edge, _, facet) in set.uses.iter().filter(|u| self.outlines[u.2 as usize].is_some()) {
-            let wall = self.of_facet[facet as usize];
-            points.extend(set.points_between(edge, [0.0, 1.0]).map(|v| (v, wall)));
+        let mut points = Vec::new();
+        for edge in 0..set.edges.len() as u32 {
+            for &(_, facet) in set.uses.of(edge).iter().filter(|u| self.outlines[u.1 as usize].is_some()) {
+                let wall = self.of_facet[facet as usize];
+                points.extend(set.points_between(edge, [0.0, 1.0]).map(|v| (v, wall)));
+            }
         }
         points
     }

@@ -40,25 +40,6 @@ impl Aabb {
         let along = |k: usize| (self.lo[k] - other.hi[k] <= margin) & (other.lo[k] - self.hi[k] <= margin);
         along(0) & along(1) & along(2)
     }
-    /// Whether a segment may meet the box (slabs, enlarged by the rounding of the test).
-    pub fn may_meet(&self, p: &Vec3, q: &Vec3) -> bool {
-        let d = q - p;
-        let (mut lo, mut hi) = (0.0f64, 1.0f64);
-        // A few units in the last place of the largest number involved.
-        let slack = 8.0 * f64::EPSILON * (p.amax() + q.amax() + self.lo.amax().max(self.hi.amax()));
-        for k in 0..3 {
-            if d[k] == 0.0 {
-                if p[k] < self.lo[k] - slack || p[k] > self.hi[k] + slack {
-                    return false;
-                }
-                continue;
-            }
-            let (s, t) = ((self.lo[k] - slack - p[k]) / d[k], (self.hi[k] + slack - p[k]) / d[k]);
-            lo = lo.max(s.min(t) - 4.0 * f64::EPSILON);
-            hi = hi.min(s.max(t) + 4.0 * f64::EPSILON);
-        }
-        lo <= hi
-    }
     /// Whether the point is in the closed box.
     pub fn contains(&self, p: &Vec3) -> bool {
         (0..3).all(|k| self.lo[k] <= p[k] && p[k] <= self.hi[k])
@@ -79,5 +60,42 @@ impl Aabb {
     /// Whether it holds nothing.
     pub fn is_empty(&self) -> bool {
         (0..3).any(|k| self.lo[k] > self.hi[k])
+    }
+}
+
+/// A segment, prepared for tests against many boxes.
+#[derive(Clone, Copy, Debug)]
+pub struct Segment {
+    from: Vec3,
+    step: Vec3,
+    inverse: Vec3,
+    /// Largest coordinates of both ends.
+    size: f64,
+}
+
+impl Segment {
+    /// Between two points.
+    pub fn new(from: &Vec3, to: &Vec3) -> Self {
+        let step = to - from;
+        Self { from: *from, step, inverse: step.map(|d| 1.0 / d), size: from.amax() + to.amax() }
+    }
+    /// Whether the part up to the parameter `until` (1 is the end) may meet a box: slabs, enlarged by the rounding of the test.
+    pub fn may_meet(&self, bounds: &Aabb, until: f64) -> bool {
+        let (mut lo, mut hi) = (0.0f64, until);
+        // A few units in the last place of the largest number involved.
+        let slack = 8.0 * f64::EPSILON * (self.size + bounds.lo.amax().max(bounds.hi.amax()));
+        for k in 0..3 {
+            let (below, above) = (bounds.lo[k] - slack - self.from[k], bounds.hi[k] + slack - self.from[k]);
+            if self.step[k] == 0.0 {
+                if below > 0.0 || above < 0.0 {
+                    return false;
+                }
+                continue;
+            }
+            let (s, t) = (below * self.inverse[k], above * self.inverse[k]);
+            lo = lo.max(s.min(t) - 4.0 * f64::EPSILON);
+            hi = hi.min(s.max(t) + 4.0 * f64::EPSILON);
+        }
+        lo <= hi
     }
 }

@@ -27,8 +27,14 @@ pub struct PairTask(u32, u32);
 #[derive(Clone, Debug, Default)]
 pub struct Bvh {
     nodes: Vec<Node>,
-    items: Vec<u32>,
-    boxes: Vec<Aabb>,
+    /// Items with their boxes, those of a tree leaf side by side.
+    items: Vec<Item>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Item {
+    bounds: Aabb,
+    number: u32,
 }
 
 impl Bvh {
@@ -39,8 +45,8 @@ impl Bvh {
         if !keyed.is_empty() {
             split(&mut keyed, 0, &boxes, &mut nodes);
         }
-        let items: Vec<u32> = keyed.into_iter().map(|k| k.0).collect();
-        Self { nodes, items, boxes }
+        let item = |(number, _): (u32, [f64; 3])| Item { bounds: boxes[number as usize], number };
+        Self { nodes, items: keyed.into_iter().map(item).collect() }
     }
 
     /// Calls `visit` with the number of every box that overlaps `query`.
@@ -64,9 +70,9 @@ impl Bvh {
                 stack.push(node.first);
                 stack.push(n + 1);
             } else {
-                for &i in self.items_of(node) {
-                    if accept(&self.boxes[i as usize]) {
-                        visit(i);
+                for item in self.items_of(node) {
+                    if accept(&item.bounds) {
+                        visit(item.number);
                     }
                 }
             }
@@ -96,10 +102,10 @@ impl Bvh {
                 }
                 continue;
             }
-            for &i in self.items_of(node) {
-                if gap(&self.boxes[i as usize]) <= best.0 {
-                    let here = (distance(i), i);
-                    if here.0 < best.0 || (here.0 == best.0 && i < best.1) {
+            for item in self.items_of(node) {
+                if gap(&item.bounds) <= best.0 {
+                    let here = (distance(item.number), item.number);
+                    if here.0 < best.0 || (here.0 == best.0 && here.1 < best.1) {
                         best = here;
                     }
                 }
@@ -141,32 +147,29 @@ impl Bvh {
     fn expand(&self, PairTask(n, m): PairTask, out: &mut Vec<PairTask>) -> bool {
         let children = |k: u32| {
             let node = &self.nodes[k as usize];
-            if node.count == 0 { [Some(k + 1), Some(node.first)] } else { [Some(k), None] }
+            (node.count == 0).then_some([k + 1, node.first])
         };
-        let is_leaf = |k: u32| self.nodes[k as usize].count > 0;
-        if is_leaf(n) && is_leaf(m) {
-            return false;
-        }
-        for (i, a) in children(n).into_iter().flatten().enumerate() {
-            for b in children(m).into_iter().flatten().skip(if n == m { i } else { 0 }) {
-                if a == b || self.nodes[a as usize].bounds.overlaps(&self.nodes[b as usize].bounds) {
-                    out.push(PairTask(a, b));
-                }
+        let mut push = |a: u32, b: u32| {
+            if a == b || self.nodes[a as usize].bounds.overlaps(&self.nodes[b as usize].bounds) {
+                out.push(PairTask(a, b));
             }
+        };
+        match (children(n), children(m)) {
+            (None, None) => return false,
+            (Some([a, b]), _) if n == m => [(a, a), (a, b), (b, b)].into_iter().for_each(|(a, b)| push(a, b)),
+            (Some([a, b]), None) => [a, b].into_iter().for_each(|a| push(a, m)),
+            (None, Some([a, b])) => [a, b].into_iter().for_each(|b| push(n, b)),
+            (Some([a, b]), Some([c, d])) => [(a, c), (a, d), (b, c), (b, d)].into_iter().for_each(|(a, b)| push(a, b)),
         }
         true
     }
 
     fn visit_leaves(&self, PairTask(n, m): PairTask, visit: &mut impl FnMut(u32, u32) -> ControlFlow<()>) -> ControlFlow<()> {
-        let items = |k: u32| {
-            let node = &self.nodes[k as usize];
-            &self.items[node.first as usize..(node.first + node.count) as usize]
-        };
-        for (i, &a) in items(n).iter().enumerate() {
-            let bounds = &self.boxes[a as usize];
-            for &b in items(m).iter().skip(if n == m { i + 1 } else { 0 }) {
-                if bounds.overlaps(&self.boxes[b as usize]) {
-                    visit(a, b)?;
+        let items = |k: u32| self.items_of(&self.nodes[k as usize]);
+        for (i, a) in items(n).iter().enumerate() {
+            for b in &items(m)[if n == m { i + 1 } else { 0 }..] {
+                if a.bounds.overlaps(&b.bounds) {
+                    visit(a.number, b.number)?;
                 }
             }
         }
@@ -192,10 +195,9 @@ impl Bvh {
                 (0, _) => stack.extend([(a.first, n), (m + 1, n)]),
                 (_, 0) => stack.extend([(m, b.first), (m, n + 1)]),
                 _ => {
-                    for &i in self.items_of(a) {
-                        let own = &self.boxes[i as usize];
-                        for &j in other.items_of(b).iter().filter(|&&j| own.is_near(&other.boxes[j as usize], margin)) {
-                            if visit(i, j).is_break() {
+                    for own in self.items_of(a) {
+                        for its in other.items_of(b).iter().filter(|its| own.bounds.is_near(&its.bounds, margin)) {
+                            if visit(own.number, its.number).is_break() {
                                 return;
                             }
                         }
@@ -205,13 +207,8 @@ impl Bvh {
         }
     }
 
-    fn items_of(&self, node: &Node) -> &[u32] {
+    fn items_of(&self, node: &Node) -> &[Item] {
         &self.items[node.first as usize..(node.first + node.count) as usize]
-    }
-
-    /// The box of an item.
-    pub fn bounds_of(&self, item: u32) -> &Aabb {
-        &self.boxes[item as usize]
     }
 
     /// The box of everything; empty if there is nothing.

@@ -1,23 +1,35 @@
-//! Lists of numbers by a number, without an allocation for each.
+//! Lists by a number, without an allocation for each.
 
 /// A numbered list of lists in one allocation.
-#[derive(Default)]
-pub struct Lists {
+pub struct Lists<T = u32> {
     first: Vec<u32>,
-    items: Vec<u32>,
+    items: Vec<T>,
 }
 
-impl Lists {
+impl<T> Default for Lists<T> {
+    fn default() -> Self {
+        Self { first: Vec::new(), items: Vec::new() }
+    }
+}
+
+impl<T: Copy + Default> Lists<T> {
     /// `count` lists from pairs (list, item); each keeps the order of its pairs.
-    pub fn new(count: usize, pairs: &[(u32, u32)]) -> Self {
-        let mut first = vec![0; count + 1];
-        pairs.iter().for_each(|p| first[p.0 as usize + 1] += 1);
-        (0..count).for_each(|k| first[k + 1] += first[k]);
-        let (mut next, mut items) = (first.clone(), vec![0; pairs.len()]);
-        for &(list, item) in pairs {
-            items[next[list as usize] as usize] = item;
-            next[list as usize] += 1;
+    pub fn new(count: usize, pairs: &[(u32, T)]) -> Self {
+        Self::from_iter(count, pairs.iter().copied())
+    }
+    /// The same from pairs that are made twice.
+    pub fn from_iter(count: usize, pairs: impl Iterator<Item = (u32, T)> + Clone) -> Self {
+        // First and then next place of each list, one further up.
+        let mut first = vec![0u32; count + 2];
+        pairs.clone().for_each(|p| first[p.0 as usize + 2] += 1);
+        (2..count + 2).for_each(|k| first[k] += first[k - 1]);
+        let mut items = vec![T::default(); first[count + 1] as usize];
+        for (list, item) in pairs {
+            let next = &mut first[list as usize + 1];
+            items[*next as usize] = item;
+            *next += 1;
         }
+        first.pop();
         Self { first, items }
     }
     /// Whether all lists are empty.
@@ -25,7 +37,23 @@ impl Lists {
         self.items.is_empty()
     }
     /// One list.
-    pub fn of(&self, list: u32) -> &[u32] {
+    pub fn of(&self, list: u32) -> &[T] {
         &self.items[self.first[list as usize] as usize..self.first[list as usize + 1] as usize]
+    }
+    /// One list, to be sorted.
+    pub fn of_mut(&mut self, list: u32) -> &mut [T] {
+        &mut self.items[self.first[list as usize] as usize..self.first[list as usize + 1] as usize]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_list_keeps_its_order() {
+        let lists = Lists::new(4, &[(2, 'a'), (0, 'b'), (2, 'c'), (3, 'd')]);
+        assert_eq!([0, 1, 2, 3].map(|k| lists.of(k).iter().collect::<String>()), ["b", "", "ac", "d"]);
+        assert!(!lists.is_empty() && Lists::<u32>::new(2, &[]).of(1).is_empty());
     }
 }

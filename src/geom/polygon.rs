@@ -1,6 +1,7 @@
 //! Planar polygons with holes: normal, area, triangulation.
 
 use super::Vec3;
+use super::hash::IndexMap;
 use super::predicates::{Projection, orient2d};
 use spade::handles::FixedVertexHandle;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
@@ -54,17 +55,17 @@ pub fn triangulate(
     lone: &[u32],
     points: &[Vec3],
 ) -> Result<Vec<[u32; 3]>, PolygonError> {
+    if let ([walk], [], []) = (loops, chains, lone)
+        && let &[a, b, c] = *walk
+    {
+        return triangle([a, b, c], points).map(|t| vec![t]);
+    }
     let normal = vector_area(loops.iter().copied(), points);
     if normal == Vec3::zeros() {
         return Err(PolygonError::Flat);
     }
     let projection = Projection::along(&normal);
     let flat = |v: u32| projection.apply(&points[v as usize]);
-    if let ([tri], [], []) = (loops, chains, lone)
-        && let &[a, b, c] = *tri
-    {
-        return if orient2d(flat(a), flat(b), flat(c)) > 0 { Ok(vec![[a, b, c]]) } else { Err(PolygonError::Flat) };
-    }
     if let ([quad], [], []) = (loops, chains, lone)
         && let &[a, b, c, d] = *quad
         && let Some(pair) = split_quad([a, b, c, d], flat)
@@ -78,6 +79,17 @@ pub fn triangulate(
         return Ok(triangles);
     }
     triangulate_general(loops, chains, lone, flat)
+}
+
+/// The same for a polygon of three corners.
+///
+/// # Errors
+/// If the area is zero.
+pub fn triangle(corners: [u32; 3], points: &[Vec3]) -> Result<[u32; 3], PolygonError> {
+    let normal = vector_area([&corners[..]], points);
+    let projection = Projection::along(&normal);
+    let [a, b, c] = corners.map(|v| projection.apply(&points[v as usize]));
+    if normal != Vec3::zeros() && orient2d(a, b, c) > 0 { Ok(corners) } else { Err(PolygonError::Flat) }
 }
 
 /// Corners up to which a convex polygon is triangulated in quadratic time, which is then less than setting up the general way costs.
@@ -179,10 +191,11 @@ fn triangulate_general(
         return Err(PolygonError::NotSimple);
     }
     // Winding number of each triangle: cross from the outside, adding what each boundary edge turns.
-    let mut winding = std::collections::HashMap::new();
+    let mut winding: IndexMap<(usize, usize), i32> = IndexMap::default();
+    winding.reserve(2 * edges.len());
     for [a, b] in boundary() {
-        *winding.entry((slot(a), slot(b))).or_insert(0i32) += 1;
-        *winding.entry((slot(b), slot(a))).or_insert(0i32) -= 1;
+        *winding.entry((slot(a), slot(b))).or_insert(0) += 1;
+        *winding.entry((slot(b), slot(a))).or_insert(0) -= 1;
     }
     let mut number = vec![None; cdt.num_all_faces()];
     let outer = cdt.outer_face();

@@ -6,35 +6,59 @@
 
 use super::Vec3;
 use robust::{Coord, Coord3D};
-use std::cmp::Ordering;
-
-fn c3(p: &Vec3) -> Coord3D<f64> {
-    Coord3D { x: p.x, y: p.y, z: p.z }
-}
 
 /// A sign as -1, 0 or +1.
 pub type Sign = i8;
 
 /// The sign of a number; 0 for zero.
+#[inline]
 pub fn sign(x: f64) -> Sign {
-    match x.partial_cmp(&0.0) {
-        Some(Ordering::Greater) => 1,
-        Some(Ordering::Less) => -1,
-        _ => 0,
-    }
+    Sign::from(x > 0.0) - Sign::from(x < 0.0)
 }
+
+/// Largest rounding error of a 3 x 3 determinant of differences, as a part of its permanent (Shewchuk 1997): (7 + 56 e) e with
+/// e half a unit in the last place of one.
+const ORIENT3D_ERROR: f64 = (7.0 + 28.0 * f64::EPSILON) * (0.5 * f64::EPSILON);
+/// Largest rounding error of a 2 x 2 determinant of differences, as a part of the sum of its products (Ozaki et al. 2016).
+const ORIENT2D_ERROR: f64 = 3.330_669_062_177_372_2e-16;
 
 /// +1 if `d` lies on the side of the plane (a, b, c) from which a, b, c are seen counter-clockwise, that is, on the side
 /// of the normal (b - a) x (c - a); -1 on the other side, 0 if coplanar. Exact.
+#[inline]
 pub fn orient3d(a: &Vec3, b: &Vec3, c: &Vec3, d: &Vec3) -> Sign {
-    // robust (after Shewchuk) is positive when d lies below, so the sign is turned.
-    -sign(robust::orient3d(c3(a), c3(b), c3(c), c3(d)))
+    let (ad, bd, cd) = (a - d, b - d, c - d);
+    let (bc, cb) = (bd.x * cd.y, cd.x * bd.y);
+    let (ca, ac) = (cd.x * ad.y, ad.x * cd.y);
+    let (ab, ba) = (ad.x * bd.y, bd.x * ad.y);
+    let det = ad.z * (bc - cb) + bd.z * (ca - ac) + cd.z * (ab - ba);
+    let permanent =
+        (bc.abs() + cb.abs()) * ad.z.abs() + (ca.abs() + ac.abs()) * bd.z.abs() + (ab.abs() + ba.abs()) * cd.z.abs();
+    // Positive when d lies below, so the sign is turned.
+    if det.abs() > ORIENT3D_ERROR * permanent { -sign(det) } else { orient3d_in_doubt(a, b, c, d) }
+}
+
+// The filters stand here, where the compiler can put them into loops; what they leave open is rare and long.
+#[cold]
+#[inline(never)]
+fn orient3d_in_doubt(a: &Vec3, b: &Vec3, c: &Vec3, d: &Vec3) -> Sign {
+    let at = |p: &Vec3| Coord3D { x: p.x, y: p.y, z: p.z };
+    -sign(robust::orient3d(at(a), at(b), at(c), at(d)))
 }
 
 /// +1 if a, b, c turn counter-clockwise in the plane, -1 if clockwise, 0 if collinear. Exact.
+#[inline]
 pub fn orient2d(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> Sign {
-    let f = |p: [f64; 2]| Coord { x: p[0], y: p[1] };
-    sign(robust::orient2d(f(a), f(b), f(c)))
+    let left = (a[0] - c[0]) * (b[1] - c[1]);
+    let right = (a[1] - c[1]) * (b[0] - c[0]);
+    let det = left - right;
+    if det.abs() >= ORIENT2D_ERROR * (left + right).abs() { sign(det) } else { orient2d_in_doubt(a, b, c) }
+}
+
+#[cold]
+#[inline(never)]
+fn orient2d_in_doubt(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> Sign {
+    let at = |p: [f64; 2]| Coord { x: p[0], y: p[1] };
+    sign(robust::orient2d(at(a), at(b), at(c)))
 }
 
 /// A projection along a coordinate axis that keeps orientation: counter-clockwise about a normal becomes counter-clockwise

@@ -4,7 +4,7 @@
 //! through an edge or a vertex is refused and another direction is tried.
 
 use crate::geom::Vec3;
-use crate::geom::aabb::Aabb;
+use crate::geom::aabb::{Aabb, Segment};
 use crate::geom::bvh::Bvh;
 use crate::geom::embedding::projection_of;
 use crate::geom::predicates::{orient2d, orient3d};
@@ -104,9 +104,9 @@ impl<'a> Caster<'a> {
     }
 
     fn crossings(&self, p: &Vec3, q: &Vec3) -> Result<Vec<Crossing>, CastError> {
-        let mut found = Ok(Vec::new());
+        let (segment, mut found) = (Segment::new(p, q), Ok(Vec::new()));
         self.tree.search(
-            |b| b.may_meet(p, q),
+            |b| segment.may_meet(b, 1.0),
             |t| {
                 match (self.crossing(p, q, t), &mut found) {
                     (Ok(Some(c)), Ok(list)) => list.push(c),
@@ -157,10 +157,10 @@ impl<'a> Caster<'a> {
     /// ray grazes an edge, it may miss it.
     pub fn distance_to_next(&self, from: &Vec3, direction: &Vec3, skipped: u32) -> Option<f64> {
         let beyond_all = self.reach_from(from) / direction.norm();
-        let best = Cell::new(beyond_all);
+        let (segment, best) = (Segment::new(from, &(from + direction * beyond_all)), Cell::new(beyond_all));
         // What lies behind the nearest triangle so far need not be looked at.
         self.tree.search(
-            |b| b.may_meet(from, &(from + direction * best.get())),
+            |b| segment.may_meet(b, best.get() / beyond_all),
             |t| {
                 if t != skipped
                     && let Some(d) = ray_triangle(from, direction, self.corners(t))

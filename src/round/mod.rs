@@ -229,7 +229,7 @@ fn surface_table(solids: &[Solid]) -> (IdVec<SurfaceId, ComplexSurface>, impl Fn
 
 /// Dropped pieces of sampled surfaces (their supports are fitted): the triangles that they lay on.
 fn killed(selected: &Selected, arrangement: &Arrangement) -> Vec<KilledFacet> {
-    let mut out = Vec::new();
+    let mut out = Vec::with_capacity(selected.killed.len());
     let mut last = u32::MAX;
     for &cell in &selected.killed {
         let triangle = arrangement.cells.triangle[cell as usize];

@@ -75,11 +75,9 @@ fn join_touching(complex: &Complex, sides: &mut [[RegionId; 2]]) {
 fn soup(complex: &Complex) -> Conforming {
     let mut out = Conforming { points: complex.vertices.iter().map(|v| v.point).collect(), ..Conforming::default() };
     for (id, facet) in complex.facets.enumerate() {
-        out.triangles.extend(facet.triangles.iter().map(|t| t.map(|v| v.0)));
-        out.cell_of_triangle.resize(out.triangles.len(), id.0);
+        let triangles: Vec<[u32; 3]> = facet.triangles.iter().map(|t| t.map(|v| v.0)).collect();
         let owner = Owner { leaf: LeafId(id.0), facet: 0, is_flipped: false };
-        let loops = facet.loops.iter().map(|l| l.iter().map(|v| v.0).collect()).collect();
-        out.cells.push(Cell { owners: vec![owner], loops, sheet: id.0, is_near: true, fate: Fate::Live });
+        out.push(Cell { sheet: id.0, is_near: true, fate: Fate::Live }, &[owner], &triangles);
     }
     out
 }

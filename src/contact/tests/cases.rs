@@ -72,8 +72,8 @@ fn a_corner_on_a_wall_is_a_point_of_it() {
     });
     let c = checked(&[block([-2.0, -2.0, -1.0], [2.0, 2.0, 0.0]), tilted], 1e-9);
     assert_eq!((c.cells.len(), c.points.len()), (12, 16));
-    let top = c.cells.iter().position(|cell| cell.loops[0].iter().all(|&v| c.points[v as usize].z == 0.0)).unwrap();
-    assert_eq!(c.cell_of_triangle.iter().filter(|&&k| k as usize == top).count(), 4);
+    let top = c.triangles.iter().filter(|t| t.iter().all(|&v| c.points[v as usize].z == 0.0)).count();
+    assert_eq!(top, 4);
 }
 
 #[test]

@@ -15,25 +15,36 @@ fn sides(walk: &[u32]) -> impl Iterator<Item = [u32; 2]> + '_ {
     (0..walk.len()).map(|k| [walk[k], walk[(k + 1) % walk.len()]])
 }
 
-/// Leaves closed over loops, triangles tile cells, and nothing within the tolerance is unconnected.
+/// Leaves closed over the rims of cells, triangles tile cells, and nothing within the tolerance is unconnected.
 pub fn check(solids: &[Solid], c: &Conforming) {
     let mut leaves: Vec<Edges> = vec![Edges::new(); solids.len()];
-    let mut tiles: Vec<Edges> = vec![Edges::new(); c.cells.len()];
-    for (k, cell) in c.cells.iter().enumerate() {
-        assert!(!cell.owners[0].is_flipped && cell.owners.is_sorted());
-        for side in cell.loops.iter().flat_map(|w| sides(w)) {
-            add(&mut tiles[k], side, -1);
-            for owner in &cell.owners {
-                add(&mut leaves[owner.leaf.0 as usize], side, if owner.is_flipped { -1 } else { 1 });
+    let rims = rims(c);
+    for (k, rim) in rims.iter().enumerate() {
+        let owners = c.owners_of(k as u32);
+        assert!(!owners[0].is_flipped && owners.is_sorted());
+        assert!(!rim.is_empty() && rim.values().all(|n| n.abs() == 1), "triangles do not tile a cell");
+        for (&(a, b), &turn) in rim {
+            for owner in owners {
+                add(&mut leaves[owner.leaf.0 as usize], [a, b], if owner.is_flipped { -turn } else { turn });
             }
         }
     }
-    for (k, t) in c.triangles.iter().enumerate() {
-        sides(t).for_each(|side| add(&mut tiles[c.cell_of_triangle[k] as usize], side, 1));
-    }
     assert!(leaves.iter().all(|e| e.values().all(|&n| n == 0)), "a leaf is open");
-    assert!(tiles.iter().all(|e| e.values().all(|&n| n == 0)), "triangles do not tile a cell");
     nothing_is_near(c);
+}
+
+/// The edges of every cell's triangles that are not inside it.
+fn rims(c: &Conforming) -> Vec<Edges> {
+    let mut rims: Vec<Edges> = vec![Edges::new(); c.cells.len()];
+    let mut is_used = BTreeSet::new();
+    for (t, &cell) in c.triangles.iter().zip(&c.cell_of_triangle) {
+        for side in sides(t) {
+            assert!(is_used.insert((cell, side)), "triangles of a cell overlap");
+            add(&mut rims[cell as usize], side, 1);
+        }
+    }
+    rims.iter_mut().for_each(|rim| rim.retain(|_, n| *n != 0));
+    rims
 }
 
 /// No point within the tolerance of a triangle or edge that does not have it, no edges that come within it elsewhere, no
@@ -41,8 +52,7 @@ pub fn check(solids: &[Solid], c: &Conforming) {
 fn nothing_is_near(c: &Conforming) {
     let at = |v: u32| c.points[v as usize];
     let used: BTreeSet<u32> = c.triangles.iter().flatten().copied().collect();
-    let edges: BTreeSet<[u32; 2]> =
-        c.cells.iter().flat_map(|cell| cell.loops.iter().flat_map(|w| sides(w))).map(|[a, b]| [a.min(b), a.max(b)]).collect();
+    let edges: BTreeSet<[u32; 2]> = rims(c).iter().flat_map(|rim| rim.keys().map(|&(a, b)| [a, b])).collect();
     for &[a, b] in &edges {
         for &v in used.iter().filter(|v| ![a, b].contains(v)) {
             let (s, distance) = onto_line(&[at(a), at(b)], &at(v));

@@ -78,5 +78,5 @@ fn checked(solids: &[Solid], tolerance: f64) -> Conforming {
 
 /// Cells with as many owners.
 fn owned_by(conforming: &Conforming, owners: usize) -> usize {
-    conforming.cells.iter().filter(|c| c.owners.len() == owners).count()
+    (0..conforming.cells.len() as u32).filter(|&c| conforming.owners_of(c).len() == owners).count()
 }
