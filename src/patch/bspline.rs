@@ -8,7 +8,7 @@
 use super::plane::Plane;
 use super::support::{Foot, Nearest, any_normal_to, bending_of_level};
 use crate::geom::Vec3;
-use nalgebra::{DMatrix, DVector, Matrix3};
+use nalgebra::{Matrix3, SMatrix, SVector};
 
 /// Smoothing term of the functional.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Deserialize, serde::Serialize)]
@@ -27,19 +27,25 @@ const SMOOTHING: f64 = 1e-6;
 /// Spans per side of a patch: 5 x 5 control heights for about 15 points.
 const SPANS: usize = 2;
 const CONTROLS: usize = SPANS + 3;
+const UNKNOWNS: usize = CONTROLS * CONTROLS;
 
 /// How far the parameter domain reaches past the points, as a fraction of their extent.
 const MARGIN: f64 = 0.05;
 
-/// Newton steps of the projection at most; near the patch three or four do.
+/// Newton steps of the projection at most; near the patch two or three do.
 const MAX_STEPS: usize = 12;
-/// A step of this fraction of a span leaves its square.
-const ACCURACY: f64 = 1e-8;
+/// A step of this fraction of a span leaves its square: 1e-8 of a span.
+const LAST_STEP: f64 = 1e-4;
 /// Determinant of the Hessian, as a fraction of its diagonal's, below which a Newton step is not trusted.
 const LEAST_CONVEXITY: f64 = 0.01;
 
 /// Height, gradient, and second derivatives uu, uv, vv.
 type Height = (f64, [f64; 2], [f64; 3]);
+
+/// A quadratic form of the control heights.
+type Form = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
+/// A quadratic form of the controls along one side.
+type SideForm = SMatrix<f64, CONTROLS, CONTROLS>;
 
 /// A fitted patch: heights over a plane.
 #[derive(Clone, Debug)]
@@ -48,7 +54,8 @@ pub struct BsplinePatch {
     axes: [Vec3; 2],
     low: [f64; 2],
     span: [f64; 2],
-    controls: DVector<f64>,
+    /// Heights, rows along the second axis.
+    controls: [f64; UNKNOWNS],
     error: f64,
 }
 
@@ -71,23 +78,27 @@ impl BsplinePatch {
         if !(span[0] > 0.0 && span[1] > 0.0) {
             return None;
         }
-        let mut patch = Self { plane, axes, low, span, controls: DVector::zeros(CONTROLS * CONTROLS), error: 0.0 };
-        let heights = DVector::from_iterator(points.len(), points.iter().map(|(p, _)| plane.height(p)));
-        let mut data = DMatrix::zeros(points.len(), CONTROLS * CONTROLS);
-        for (row, q) in flat.iter().enumerate() {
-            let (i, j, wu, wv) = patch.basis(*q);
-            for (a, b) in (0..4).flat_map(|a| (0..4).map(move |b| (a, b))) {
-                data[(row, (i + a) * CONTROLS + j + b)] = wu[0][a] * wv[0][b];
+        let mut patch = Self { plane, axes, low, span, controls: [0.0; UNKNOWNS], error: 0.0 };
+        let (mut normal, mut right) = (Form::zeros(), SVector::zeros());
+        for ((p, weight), q) in points.iter().zip(&flat) {
+            let terms = patch.terms(*q);
+            for (row, x) in terms {
+                right[row] += weight * x * plane.height(p);
+                terms.iter().for_each(|(column, y)| normal[(*column, row)] += weight * x * y);
             }
         }
-        let smooth = energy_matrix(energy, span);
-        let weights = DVector::from_iterator(points.len(), points.iter().map(|p| p.1));
-        let weighted = DMatrix::from_diagonal(&weights) * &data;
-        let normal = weighted.transpose() * &data;
+        let smooth = energy_form(energy, span);
         let weight = SMOOTHING * normal.trace() / smooth.trace();
-        patch.controls = (normal + smooth * weight).cholesky()?.solve(&(weighted.transpose() * &heights));
-        patch.error = flat.iter().zip(heights.iter()).map(|(q, h)| (patch.height(*q).0 - h).abs()).fold(0.0, f64::max);
+        patch.controls = (normal + smooth * weight).cholesky()?.solve(&right).into();
+        patch.error =
+            points.iter().zip(&flat).map(|((p, _), q)| (patch.height(*q).0 - plane.height(p)).abs()).fold(0.0, f64::max);
         patch.error.is_finite().then_some(patch)
+    }
+
+    /// The control heights that the height at plane coordinates is made of, with their shares.
+    fn terms(&self, q: [f64; 2]) -> [(usize, f64); 16] {
+        let (i, j, wu, wv) = self.basis(q);
+        std::array::from_fn(|k| ((i + k / 4) * CONTROLS + j + k % 4, wu[0][k / 4] * wv[0][k % 4]))
     }
 
     /// Largest distance, along the plane's normal, of the fitted points.
@@ -131,7 +142,7 @@ impl BsplinePatch {
         let relative = point - self.plane.origin;
         let target = [self.axes[0].dot(&relative), self.axes[1].dot(&relative)];
         let height = self.plane.height(point);
-        let enough = ACCURACY * (self.span[0] + self.span[1]);
+        let enough = LAST_STEP * self.span[0].min(self.span[1]);
         let mut q = target;
         let mut at = self.height(q);
         for _ in 0..MAX_STEPS {
@@ -168,8 +179,7 @@ impl BsplinePatch {
         // Value and two derivatives along v of the four control rows.
         let mut rows = [[0.0; 3]; 4];
         for (a, row) in rows.iter_mut().enumerate() {
-            for b in 0..4 {
-                let c = self.controls[(i + a) * CONTROLS + j + b];
+            for (b, c) in self.controls[(i + a) * CONTROLS + j..][..4].iter().enumerate() {
                 for (r, w) in row.iter_mut().zip(&wv) {
                     *r += w[b] * c;
                 }
@@ -212,9 +222,9 @@ fn cubic_basis(t: f64) -> [[f64; 4]; 3] {
 }
 
 /// The energy as a quadratic form of the control heights, for spans of these lengths.
-fn energy_matrix(energy: Energy, span: [f64; 2]) -> DMatrix<f64> {
-    let gram = |order: usize, length: f64| gram_matrix(order) * length.powi(1 - 2 * order as i32);
-    let pair = |a: usize, b: usize| gram(a, span[0]).kronecker(&gram(b, span[1]));
+fn energy_form(energy: Energy, span: [f64; 2]) -> Form {
+    let form = |order: usize, length: f64| side_form(order) * length.powi(1 - 2 * order as i32);
+    let pair = |a: usize, b: usize| form(a, span[0]).kronecker(&form(b, span[1]));
     match energy {
         Energy::ThinPlate => pair(2, 0) + pair(1, 1) * 2.0 + pair(0, 2),
         Energy::Membrane => pair(1, 0) + pair(0, 1),
@@ -223,21 +233,21 @@ fn energy_matrix(energy: Energy, span: [f64; 2]) -> DMatrix<f64> {
 
 /// Integrals of products of derivatives of the one-dimensional basis over all spans of length 1, exact: four Gauss points for
 /// polynomials of degree 6.
-fn gram_matrix(order: usize) -> DMatrix<f64> {
+fn side_form(order: usize) -> SideForm {
     const NODES: [(f64, f64); 4] = [
         (-0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
         (-0.339_981_043_584_856_26, 0.652_145_154_862_546_1),
         (0.339_981_043_584_856_26, 0.652_145_154_862_546_1),
         (0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
     ];
-    let mut gram = DMatrix::zeros(CONTROLS, CONTROLS);
+    let mut form = SideForm::zeros();
     for (first, (x, w)) in (0..SPANS).flat_map(|s| NODES.map(|n| (s, n))) {
         let weights = cubic_basis(0.5 + 0.5 * x)[order];
         for (a, b) in (0..4).flat_map(|a| (0..4).map(move |b| (a, b))) {
-            gram[(first + a, first + b)] += 0.5 * w * weights[a] * weights[b];
+            form[(first + a, first + b)] += 0.5 * w * weights[a] * weights[b];
         }
     }
-    gram
+    form
 }
 
 #[cfg(test)]

@@ -37,6 +37,10 @@ const EASE: f64 = 1.5;
 /// The default bound follows the curvature (equation 4.1) within this factor of its mean.
 const BOUND_RANGE: f64 = 4.0;
 
+/// Shortest edges over the distance of the points by which a surface is known, where the user sets the deviation: patches follow the
+/// true surface that well.
+const FINER: f64 = 0.25;
+
 /// A slide by a few hundredths of an edge changes its deviation by this factor at most.
 const SLACK: f64 = 1.1;
 
@@ -61,6 +65,15 @@ impl Bound {
         match *self {
             Self::Fixed(d) => d,
             Self::ByCurvature { scale, range: [low, high] } => (scale / curvature.abs()).clamp(low, high),
+        }
+    }
+
+    /// Shortest length that makes sense where a surface is known by points that are so far apart: no less than that, unless the user
+    /// wants it finer.
+    pub fn finest(&self, spacing: f64) -> f64 {
+        match self {
+            Self::Fixed(_) => FINER * spacing,
+            Self::ByCurvature { .. } => spacing,
         }
     }
 
@@ -194,6 +207,9 @@ impl Workpiece {
         {
             size = size.min((8.0 * self.bound.along(foot.curvature) / foot.curvature).sqrt());
         }
+        let spacing =
+            surfaces.iter().filter_map(|&s| self.supports[s].as_deref()).map(|s| s.spacing(&point)).fold(0.0, f64::max);
+        let size = size.max(self.bound.finest(spacing));
         limits.limit(&point, size.min(self.strip_width(vertex) * PER_STRIP), &surfaces)
     }
 
@@ -224,8 +240,8 @@ impl Workpiece {
             length_on(&foot, self.bound.along(foot.largest_curvature()))
         };
         let here = length_at(point);
-        // No apex, and what is far off on a fitted surface is expensive to find.
-        if here >= limits.large {
+        // No apex.
+        if support.is_fitted() || here >= limits.large {
             return here;
         }
         let middle = star.iter().filter_map(|&f| self.corners(f)).flatten().map(|v| self.point(v) - point).sum::<Vec3>();
