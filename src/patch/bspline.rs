@@ -2,11 +2,13 @@
 //!
 //! The parameters of a point are its coordinates in a plane. A bicubic B-spline reproduces these two coordinates exactly
 //! and both energies vanish on them up to a constant, so that of the three components only the height over the plane is left
-//! to be solved for: F = |B c - p|² + lambda c' E c, that is (B'B + lambda E) c = B' p. The system is small (25 unknowns for
-//! 2 x 2 spans) and dense, so it is solved by Cholesky's method instead of the multigrid of the thesis' library.
+//! to be solved for: F = |B c - p|² + lambda (c - r)' E (c - r), that is (B'B + lambda E) c = B' p + lambda E r. Here r is the
+//! quadric through the points instead of the plane of the thesis, r = 0: where points are far apart, as along the strips of a
+//! cylinder, the patch goes on as it is bent. The system is small (25 unknowns for 2 x 2 spans) and dense, so it is solved by
+//! Cholesky's method instead of the multigrid of the thesis' library.
 
 use super::plane::Plane;
-use super::support::{Foot, Nearest, any_normal_to, bending_of_level};
+use super::support::{Foot, Nearest, bending_of_level};
 use crate::geom::Vec3;
 use nalgebra::{Matrix3, SMatrix, SVector};
 
@@ -23,6 +25,9 @@ pub enum Energy {
 /// Weight of the smoothing term as a fraction of the data term's trace. Small, since vertices are exact samples: it only
 /// has to choose among the patches that meet them.
 const SMOOTHING: f64 = 1e-6;
+
+/// What points must at least tell of a coefficient of their quadric, as a fraction of what they tell of all.
+const LEAST_SHARE: f64 = 1e-9;
 
 /// Spans per side of a patch: 5 x 5 control heights for about 15 points.
 const SPANS: usize = 2;
@@ -60,10 +65,10 @@ pub struct BsplinePatch {
 }
 
 impl BsplinePatch {
-    /// The patch over `plane` through points with weights, nearly (at least three, not collinear in the plane); `None` if the points
-    /// do not determine one.
-    pub fn fit(plane: Plane, points: &[(Vec3, f64)], energy: Energy) -> Option<Self> {
-        let u = any_normal_to(&plane.normal);
+    /// The patch over `plane` through points with weights, nearly (at least three, not collinear in the plane), with one side along
+    /// a direction in the plane; `None` if the points do not determine one.
+    pub fn fit(plane: Plane, side: &Vec3, points: &[(Vec3, f64)], energy: Energy) -> Option<Self> {
+        let u = side.try_normalize(0.0)?;
         let axes = [u, plane.normal.cross(&u)];
         let flat: Vec<[f64; 2]> = points.iter().map(|(p, _)| axes.map(|a| a.dot(&(p - plane.origin)))).collect();
         let mut low = [f64::INFINITY; 2];
@@ -79,20 +84,40 @@ impl BsplinePatch {
             return None;
         }
         let mut patch = Self { plane, axes, low, span, controls: [0.0; UNKNOWNS], error: 0.0 };
+        let samples = || points.iter().zip(&flat).map(|((p, weight), q)| (*q, plane.height(p), *weight));
+        let rest = patch.quadric(samples());
         let (mut normal, mut right) = (Form::zeros(), SVector::zeros());
-        for ((p, weight), q) in points.iter().zip(&flat) {
-            let terms = patch.terms(*q);
+        for (q, height, weight) in samples() {
+            let terms = patch.terms(q);
             for (row, x) in terms {
-                right[row] += weight * x * plane.height(p);
+                right[row] += weight * x * height;
                 terms.iter().for_each(|(column, y)| normal[(*column, row)] += weight * x * y);
             }
         }
         let smooth = energy_form(energy, span);
         let weight = SMOOTHING * normal.trace() / smooth.trace();
-        patch.controls = (normal + smooth * weight).cholesky()?.solve(&right).into();
-        patch.error =
-            points.iter().zip(&flat).map(|((p, _), q)| (patch.height(*q).0 - plane.height(p)).abs()).fold(0.0, f64::max);
+        patch.controls = (normal + smooth * weight).cholesky()?.solve(&(right + smooth * rest * weight)).into();
+        let misses = samples().map(|(q, height, weight)| weight.sqrt() * (patch.height(q).0 - height).abs());
+        patch.error = misses.fold(0.0, f64::max);
         patch.error.is_finite().then_some(patch)
+    }
+
+    /// The control heights of the quadric that meets some heights with weights best: the shape in which the patch is without energy. A
+    /// plate that is flat without energy would be flat between the ends of long strips.
+    fn quadric(&self, samples: impl Iterator<Item = ([f64; 2], f64, f64)>) -> SVector<f64, UNKNOWNS> {
+        let monomials = |[x, y]: [f64; 2], less: f64| SVector::<f64, 6>::from([1.0, x, y, x * x - less, x * y, y * y - less]);
+        let (mut normal, mut right) = (SMatrix::<f64, 6, 6>::zeros(), SVector::zeros());
+        for (q, height, weight) in samples {
+            let row = monomials([0, 1].map(|k| (q[k] - self.low[k]) / self.span[k] - 1.0), 0.0);
+            normal += row * row.transpose() * weight;
+            right += row * height * weight;
+        }
+        normal += SMatrix::identity() * (LEAST_SHARE * normal.trace());
+        let Some(solved) = normal.cholesky() else { return SVector::zeros() };
+        let coefficients = solved.solve(&right);
+        // A square has controls that are a third of a span's square less than their own places'.
+        let control = |k: usize| monomials([k / CONTROLS, k % CONTROLS].map(|i| i as f64 - 2.0), 1.0 / 3.0).dot(&coefficients);
+        SVector::from_fn(|k, _| control(k))
     }
 
     /// The control heights that the height at plane coordinates is made of, with their shares.
@@ -101,7 +126,7 @@ impl BsplinePatch {
         std::array::from_fn(|k| ((i + k / 4) * CONTROLS + j + k % 4, wu[0][k / 4] * wv[0][k % 4]))
     }
 
-    /// Largest distance, along the plane's normal, of the fitted points.
+    /// Largest distance, along the plane's normal, of the fitted points; of those that count little, as little.
     pub fn error(&self) -> f64 {
         self.error
     }
@@ -265,7 +290,7 @@ mod tests {
     #[test]
     fn nearest_is_closest() {
         let plane = Plane { origin: Vec3::new(0.0, 0.0, 10.0), normal: Vec3::z() };
-        let patch = BsplinePatch::fit(plane, &sphere_samples(10.0, 1.0), Energy::ThinPlate).unwrap();
+        let patch = BsplinePatch::fit(plane, &Vec3::x(), &sphere_samples(10.0, 1.0), Energy::ThinPlate).unwrap();
         for p in [Vec3::new(0.3, -0.7, 9.0), Vec3::new(1.5, 0.9, 11.0), Vec3::new(4.0, 0.0, 10.0)] {
             let (foot, near) = (patch.closest(&p), patch.nearest(&p));
             assert_eq!(foot.point, near.point);
@@ -292,7 +317,7 @@ mod tests {
         let plane = Plane::new(Vec3::zeros(), Vec3::z()).unwrap();
         let samples = sphere_samples(100.0, 10.0);
         let points: Vec<(Vec3, f64)> = samples.iter().map(|(p, w)| (Vec3::new(p.x, p.y, 1.0 + 0.1 * p.x), *w)).collect();
-        let patch = BsplinePatch::fit(plane, &points, Energy::ThinPlate).unwrap();
+        let patch = BsplinePatch::fit(plane, &Vec3::x(), &points, Energy::ThinPlate).unwrap();
         assert!(patch.error() < 1e-9);
         let foot = patch.closest(&Vec3::new(5.0, 3.0, 4.0));
         assert!((foot.point.z - 1.0 - 0.1 * foot.point.x).abs() < 1e-9);
@@ -303,7 +328,7 @@ mod tests {
     fn fifteen_points_of_the_thesis_sphere_give_it_to_a_percent() {
         let radius = 100.0;
         let plane = Plane::new(Vec3::new(0.0, 0.0, radius), Vec3::z()).unwrap();
-        let patch = BsplinePatch::fit(plane, &sphere_samples(radius, 20.0), Energy::ThinPlate).unwrap();
+        let patch = BsplinePatch::fit(plane, &Vec3::x(), &sphere_samples(radius, 20.0), Energy::ThinPlate).unwrap();
         assert!(patch.error() < 0.01);
         let foot = patch.closest(&Vec3::new(7.0, 4.0, 98.0));
         assert!((foot.point.norm() - radius).abs() < 0.05, "{}", foot.point.norm());

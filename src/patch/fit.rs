@@ -49,7 +49,7 @@ pub struct FittedSurface {
     patch_of_triangle: Vec<u32>,
     tree: Bvh,
     /// Facets with their patches, fitted by whoever needs them first; what they become does not depend on when.
-    patches: Vec<(u32, OnceLock<Box<LocalPatch>>)>,
+    patches: Vec<(u32, OnceLock<LocalPatch>)>,
     grain: f64,
     /// The triangle found last: the next question is mostly about a place beside. Answers do not depend on it.
     last: Arc<AtomicU32>,
@@ -67,7 +67,7 @@ pub(super) struct LocalPatch {
 pub(super) enum PatchShape {
     Plane(Plane),
     Bspline {
-        patch: BsplinePatch,
+        patch: Box<BsplinePatch>,
         /// The largest curvature that the facets show: what a patch has beyond is made up.
         most_curved: f64,
     },
@@ -122,7 +122,7 @@ impl FittedSurface {
     /// The patch of the nearest facet.
     fn patch_near(&self, point: &Vec3) -> Option<&LocalPatch> {
         let (facet, patch) = &self.patches[self.patch_of_triangle[self.nearest_triangle(point)? as usize] as usize];
-        Some(patch.get_or_init(|| Box::new(self.sample.fit_facet(*facet))))
+        Some(patch.get_or_init(|| self.sample.fit_facet(*facet)))
     }
 
     /// Nearest triangle, the first of equally near ones.

@@ -37,9 +37,9 @@ const EASE: f64 = 1.5;
 /// The default bound follows the curvature (equation 4.1) within this factor of its mean.
 const BOUND_RANGE: f64 = 4.0;
 
-/// Shortest edges over the distance of the points by which a surface is known, where the user sets the deviation: patches follow the
-/// true surface that well.
-const FINER: f64 = 0.25;
+/// Shortest edges over the distance of the points by which a surface is known, where the user or a gap asks for short ones: there is
+/// nothing finer to be followed.
+const FINEST: f64 = 0.25;
 
 /// A slide by a few hundredths of an edge changes its deviation by this factor at most.
 const SLACK: f64 = 1.1;
@@ -72,7 +72,7 @@ impl Bound {
     /// wants it finer.
     pub fn finest(&self, spacing: f64) -> f64 {
         match self {
-            Self::Fixed(_) => FINER * spacing,
+            Self::Fixed(_) => FINEST * spacing,
             Self::ByCurvature { .. } => spacing,
         }
     }
@@ -162,10 +162,11 @@ impl Limits {
         }
     }
 
-    /// The wanted length, at most `length`, at a point of some surfaces.
-    fn limit(&self, point: &Vec3, length: f64, surfaces: &[SurfaceId]) -> f64 {
-        let limited = surfaces.iter().map(|s| self.max_edge[s.index()]).fold(length, f64::min);
-        (PER_GAP * self.gap(point, limited / PER_GAP, surfaces)).max(self.least)
+    /// The wanted length, at most `length`, at a point of some surfaces; gaps do not make it less than `finest`.
+    fn limit(&self, point: &Vec3, length: f64, surfaces: &[SurfaceId], finest: f64) -> f64 {
+        let wanted = surfaces.iter().map(|s| self.max_edge[s.index()]).fold(f64::INFINITY, f64::min);
+        let limited = PER_GAP * self.gap(point, length.min(wanted) / PER_GAP, surfaces);
+        limited.max(finest.min(wanted)).max(self.least)
     }
 
     /// Distance to the nearest facet that shares no curve with some surfaces, at most `reach`.
@@ -210,7 +211,7 @@ impl Workpiece {
         let spacing =
             surfaces.iter().filter_map(|&s| self.supports[s].as_deref()).map(|s| s.spacing(&point)).fold(0.0, f64::max);
         let size = size.max(self.bound.finest(spacing));
-        limits.limit(&point, size.min(self.strip_width(vertex) * PER_STRIP), &surfaces)
+        limits.limit(&point, size.min(self.strip_width(vertex) * PER_STRIP), &surfaces, FINEST * spacing)
     }
 
     /// Width of the surface at a vertex of a feature curve: the shortest edge straight across to another curve. Edges around a
