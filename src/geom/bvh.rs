@@ -10,6 +10,9 @@ use std::ops::ControlFlow;
 /// Largest number of boxes in a tree leaf: below this, testing all is cheaper than descending.
 const LEAF_SIZE: usize = 4;
 
+/// More levels than any tree has: each halves up to 2^32 items.
+const DEEPEST: usize = 40;
+
 #[derive(Clone, Copy, Debug)]
 struct Node {
     bounds: Aabb,
@@ -84,8 +87,12 @@ impl Bvh {
     pub fn nearest(&self, point: &Vec3, guess: Option<u32>, distance: impl Fn(u32) -> f64) -> Option<u32> {
         let gap = |b: &Aabb| (b.lo - point).sup(&(point - b.hi)).sup(&Vec3::zeros()).norm_squared();
         let mut best = guess.map_or((f64::INFINITY, u32::MAX), |i| (distance(i), i));
-        let mut stack: Vec<(f64, u32)> = self.nodes.first().map(|n| (gap(&n.bounds), 0)).into_iter().collect();
-        while let Some((low, n)) = stack.pop() {
+        // Of each level at most the farther child waits.
+        let mut stack = [(0.0, 0); DEEPEST];
+        let mut waiting = usize::from(!self.nodes.is_empty());
+        while waiting > 0 {
+            waiting -= 1;
+            let (low, n) = stack[waiting];
             if low > best.0 {
                 continue;
             }
@@ -94,11 +101,11 @@ impl Bvh {
                 let child = |c: u32| (gap(&self.nodes[c as usize].bounds), c);
                 let (left, right) = (child(n + 1), child(node.first));
                 let (near, far) = if left.0 <= right.0 { (left, right) } else { (right, left) };
-                if far.0 <= best.0 {
-                    stack.push(far);
-                }
-                if near.0 <= best.0 {
-                    stack.push(near);
+                for child in [far, near] {
+                    if child.0 <= best.0 {
+                        stack[waiting] = child;
+                        waiting += 1;
+                    }
                 }
                 continue;
             }

@@ -2,13 +2,15 @@
 //!
 //! The parameters of a point are its coordinates in a plane. A bicubic B-spline reproduces these two coordinates exactly
 //! and both energies vanish on them up to a constant, so that of the three components only the height over the plane is left
-//! to be solved for: F = |B c - p|² + lambda c' E c, that is (B'B + lambda E) c = B' p. The system is small (25 unknowns for
-//! 2 x 2 spans) and dense, so it is solved by Cholesky's method instead of the multigrid of the thesis' library.
+//! to be solved for: F = |B c - p|² + lambda (c - r)' E (c - r), that is (B'B + lambda E) c = B' p + lambda E r. Here r is the
+//! quadric through the points instead of the plane of the thesis, r = 0: where points are far apart, as along the strips of a
+//! cylinder, the patch goes on as it is bent. The system is small (25 unknowns for 2 x 2 spans) and dense, so it is solved by
+//! Cholesky's method instead of the multigrid of the thesis' library.
 
 use super::plane::Plane;
-use super::support::{Foot, Nearest, any_normal_to, bending_of_level};
+use super::support::{Foot, Nearest, bending_of_level};
 use crate::geom::Vec3;
-use nalgebra::{DMatrix, DVector, Matrix3};
+use nalgebra::{Matrix3, SMatrix, SVector};
 
 /// Smoothing term of the functional.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Deserialize, serde::Serialize)]
@@ -24,22 +26,31 @@ pub enum Energy {
 /// has to choose among the patches that meet them.
 const SMOOTHING: f64 = 1e-6;
 
+/// What points must at least tell of a coefficient of their quadric, as a fraction of what they tell of all.
+const LEAST_SHARE: f64 = 1e-9;
+
 /// Spans per side of a patch: 5 x 5 control heights for about 15 points.
 const SPANS: usize = 2;
 const CONTROLS: usize = SPANS + 3;
+const UNKNOWNS: usize = CONTROLS * CONTROLS;
 
 /// How far the parameter domain reaches past the points, as a fraction of their extent.
 const MARGIN: f64 = 0.05;
 
-/// Newton steps of the projection at most; near the patch three or four do.
+/// Newton steps of the projection at most; near the patch two or three do.
 const MAX_STEPS: usize = 12;
-/// A step of this fraction of a span leaves its square.
-const ACCURACY: f64 = 1e-8;
+/// A step of this fraction of a span leaves its square: 1e-8 of a span.
+const LAST_STEP: f64 = 1e-4;
 /// Determinant of the Hessian, as a fraction of its diagonal's, below which a Newton step is not trusted.
 const LEAST_CONVEXITY: f64 = 0.01;
 
 /// Height, gradient, and second derivatives uu, uv, vv.
 type Height = (f64, [f64; 2], [f64; 3]);
+
+/// A quadratic form of the control heights.
+type Form = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
+/// A quadratic form of the controls along one side.
+type SideForm = SMatrix<f64, CONTROLS, CONTROLS>;
 
 /// A fitted patch: heights over a plane.
 #[derive(Clone, Debug)]
@@ -48,15 +59,16 @@ pub struct BsplinePatch {
     axes: [Vec3; 2],
     low: [f64; 2],
     span: [f64; 2],
-    controls: DVector<f64>,
+    /// Heights, rows along the second axis.
+    controls: [f64; UNKNOWNS],
     error: f64,
 }
 
 impl BsplinePatch {
-    /// The patch over `plane` through points with weights, nearly (at least three, not collinear in the plane); `None` if the points
-    /// do not determine one.
-    pub fn fit(plane: Plane, points: &[(Vec3, f64)], energy: Energy) -> Option<Self> {
-        let u = any_normal_to(&plane.normal);
+    /// The patch over `plane` through points with weights, nearly (at least three, not collinear in the plane), with one side along
+    /// a direction in the plane; `None` if the points do not determine one.
+    pub fn fit(plane: Plane, side: &Vec3, points: &[(Vec3, f64)], energy: Energy) -> Option<Self> {
+        let u = side.try_normalize(0.0)?;
         let axes = [u, plane.normal.cross(&u)];
         let flat: Vec<[f64; 2]> = points.iter().map(|(p, _)| axes.map(|a| a.dot(&(p - plane.origin)))).collect();
         let mut low = [f64::INFINITY; 2];
@@ -71,26 +83,50 @@ impl BsplinePatch {
         if !(span[0] > 0.0 && span[1] > 0.0) {
             return None;
         }
-        let mut patch = Self { plane, axes, low, span, controls: DVector::zeros(CONTROLS * CONTROLS), error: 0.0 };
-        let heights = DVector::from_iterator(points.len(), points.iter().map(|(p, _)| plane.height(p)));
-        let mut data = DMatrix::zeros(points.len(), CONTROLS * CONTROLS);
-        for (row, q) in flat.iter().enumerate() {
-            let (i, j, wu, wv) = patch.basis(*q);
-            for (a, b) in (0..4).flat_map(|a| (0..4).map(move |b| (a, b))) {
-                data[(row, (i + a) * CONTROLS + j + b)] = wu[0][a] * wv[0][b];
+        let mut patch = Self { plane, axes, low, span, controls: [0.0; UNKNOWNS], error: 0.0 };
+        let samples = || points.iter().zip(&flat).map(|((p, weight), q)| (*q, plane.height(p), *weight));
+        let rest = patch.quadric(samples());
+        let (mut normal, mut right) = (Form::zeros(), SVector::zeros());
+        for (q, height, weight) in samples() {
+            let terms = patch.terms(q);
+            for (row, x) in terms {
+                right[row] += weight * x * height;
+                terms.iter().for_each(|(column, y)| normal[(*column, row)] += weight * x * y);
             }
         }
-        let smooth = energy_matrix(energy, span);
-        let weights = DVector::from_iterator(points.len(), points.iter().map(|p| p.1));
-        let weighted = DMatrix::from_diagonal(&weights) * &data;
-        let normal = weighted.transpose() * &data;
+        let smooth = energy_form(energy, span);
         let weight = SMOOTHING * normal.trace() / smooth.trace();
-        patch.controls = (normal + smooth * weight).cholesky()?.solve(&(weighted.transpose() * &heights));
-        patch.error = flat.iter().zip(heights.iter()).map(|(q, h)| (patch.height(*q).0 - h).abs()).fold(0.0, f64::max);
+        patch.controls = (normal + smooth * weight).cholesky()?.solve(&(right + smooth * rest * weight)).into();
+        let misses = samples().map(|(q, height, weight)| weight.sqrt() * (patch.height(q).0 - height).abs());
+        patch.error = misses.fold(0.0, f64::max);
         patch.error.is_finite().then_some(patch)
     }
 
-    /// Largest distance, along the plane's normal, of the fitted points.
+    /// The control heights of the quadric that meets some heights with weights best: the shape in which the patch is without energy. A
+    /// plate that is flat without energy would be flat between the ends of long strips.
+    fn quadric(&self, samples: impl Iterator<Item = ([f64; 2], f64, f64)>) -> SVector<f64, UNKNOWNS> {
+        let monomials = |[x, y]: [f64; 2], less: f64| SVector::<f64, 6>::from([1.0, x, y, x * x - less, x * y, y * y - less]);
+        let (mut normal, mut right) = (SMatrix::<f64, 6, 6>::zeros(), SVector::zeros());
+        for (q, height, weight) in samples {
+            let row = monomials([0, 1].map(|k| (q[k] - self.low[k]) / self.span[k] - 1.0), 0.0);
+            normal += row * row.transpose() * weight;
+            right += row * height * weight;
+        }
+        normal += SMatrix::identity() * (LEAST_SHARE * normal.trace());
+        let Some(solved) = normal.cholesky() else { return SVector::zeros() };
+        let coefficients = solved.solve(&right);
+        // A square has controls that are a third of a span's square less than their own places'.
+        let control = |k: usize| monomials([k / CONTROLS, k % CONTROLS].map(|i| i as f64 - 2.0), 1.0 / 3.0).dot(&coefficients);
+        SVector::from_fn(|k, _| control(k))
+    }
+
+    /// The control heights that the height at plane coordinates is made of, with their shares.
+    fn terms(&self, q: [f64; 2]) -> [(usize, f64); 16] {
+        let (i, j, wu, wv) = self.basis(q);
+        std::array::from_fn(|k| ((i + k / 4) * CONTROLS + j + k % 4, wu[0][k / 4] * wv[0][k % 4]))
+    }
+
+    /// Largest distance, along the plane's normal, of the fitted points; of those that count little, as little.
     pub fn error(&self) -> f64 {
         self.error
     }
@@ -131,7 +167,7 @@ impl BsplinePatch {
         let relative = point - self.plane.origin;
         let target = [self.axes[0].dot(&relative), self.axes[1].dot(&relative)];
         let height = self.plane.height(point);
-        let enough = ACCURACY * (self.span[0] + self.span[1]);
+        let enough = LAST_STEP * self.span[0].min(self.span[1]);
         let mut q = target;
         let mut at = self.height(q);
         for _ in 0..MAX_STEPS {
@@ -168,8 +204,7 @@ impl BsplinePatch {
         // Value and two derivatives along v of the four control rows.
         let mut rows = [[0.0; 3]; 4];
         for (a, row) in rows.iter_mut().enumerate() {
-            for b in 0..4 {
-                let c = self.controls[(i + a) * CONTROLS + j + b];
+            for (b, c) in self.controls[(i + a) * CONTROLS + j..][..4].iter().enumerate() {
                 for (r, w) in row.iter_mut().zip(&wv) {
                     *r += w[b] * c;
                 }
@@ -212,9 +247,9 @@ fn cubic_basis(t: f64) -> [[f64; 4]; 3] {
 }
 
 /// The energy as a quadratic form of the control heights, for spans of these lengths.
-fn energy_matrix(energy: Energy, span: [f64; 2]) -> DMatrix<f64> {
-    let gram = |order: usize, length: f64| gram_matrix(order) * length.powi(1 - 2 * order as i32);
-    let pair = |a: usize, b: usize| gram(a, span[0]).kronecker(&gram(b, span[1]));
+fn energy_form(energy: Energy, span: [f64; 2]) -> Form {
+    let form = |order: usize, length: f64| side_form(order) * length.powi(1 - 2 * order as i32);
+    let pair = |a: usize, b: usize| form(a, span[0]).kronecker(&form(b, span[1]));
     match energy {
         Energy::ThinPlate => pair(2, 0) + pair(1, 1) * 2.0 + pair(0, 2),
         Energy::Membrane => pair(1, 0) + pair(0, 1),
@@ -223,21 +258,21 @@ fn energy_matrix(energy: Energy, span: [f64; 2]) -> DMatrix<f64> {
 
 /// Integrals of products of derivatives of the one-dimensional basis over all spans of length 1, exact: four Gauss points for
 /// polynomials of degree 6.
-fn gram_matrix(order: usize) -> DMatrix<f64> {
+fn side_form(order: usize) -> SideForm {
     const NODES: [(f64, f64); 4] = [
         (-0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
         (-0.339_981_043_584_856_26, 0.652_145_154_862_546_1),
         (0.339_981_043_584_856_26, 0.652_145_154_862_546_1),
         (0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
     ];
-    let mut gram = DMatrix::zeros(CONTROLS, CONTROLS);
+    let mut form = SideForm::zeros();
     for (first, (x, w)) in (0..SPANS).flat_map(|s| NODES.map(|n| (s, n))) {
         let weights = cubic_basis(0.5 + 0.5 * x)[order];
         for (a, b) in (0..4).flat_map(|a| (0..4).map(move |b| (a, b))) {
-            gram[(first + a, first + b)] += 0.5 * w * weights[a] * weights[b];
+            form[(first + a, first + b)] += 0.5 * w * weights[a] * weights[b];
         }
     }
-    gram
+    form
 }
 
 #[cfg(test)]
@@ -255,7 +290,7 @@ mod tests {
     #[test]
     fn nearest_is_closest() {
         let plane = Plane { origin: Vec3::new(0.0, 0.0, 10.0), normal: Vec3::z() };
-        let patch = BsplinePatch::fit(plane, &sphere_samples(10.0, 1.0), Energy::ThinPlate).unwrap();
+        let patch = BsplinePatch::fit(plane, &Vec3::x(), &sphere_samples(10.0, 1.0), Energy::ThinPlate).unwrap();
         for p in [Vec3::new(0.3, -0.7, 9.0), Vec3::new(1.5, 0.9, 11.0), Vec3::new(4.0, 0.0, 10.0)] {
             let (foot, near) = (patch.closest(&p), patch.nearest(&p));
             assert_eq!(foot.point, near.point);
@@ -282,7 +317,7 @@ mod tests {
         let plane = Plane::new(Vec3::zeros(), Vec3::z()).unwrap();
         let samples = sphere_samples(100.0, 10.0);
         let points: Vec<(Vec3, f64)> = samples.iter().map(|(p, w)| (Vec3::new(p.x, p.y, 1.0 + 0.1 * p.x), *w)).collect();
-        let patch = BsplinePatch::fit(plane, &points, Energy::ThinPlate).unwrap();
+        let patch = BsplinePatch::fit(plane, &Vec3::x(), &points, Energy::ThinPlate).unwrap();
         assert!(patch.error() < 1e-9);
         let foot = patch.closest(&Vec3::new(5.0, 3.0, 4.0));
         assert!((foot.point.z - 1.0 - 0.1 * foot.point.x).abs() < 1e-9);
@@ -293,7 +328,7 @@ mod tests {
     fn fifteen_points_of_the_thesis_sphere_give_it_to_a_percent() {
         let radius = 100.0;
         let plane = Plane::new(Vec3::new(0.0, 0.0, radius), Vec3::z()).unwrap();
-        let patch = BsplinePatch::fit(plane, &sphere_samples(radius, 20.0), Energy::ThinPlate).unwrap();
+        let patch = BsplinePatch::fit(plane, &Vec3::x(), &sphere_samples(radius, 20.0), Energy::ThinPlate).unwrap();
         assert!(patch.error() < 0.01);
         let foot = patch.closest(&Vec3::new(7.0, 4.0, 98.0));
         assert!((foot.point.norm() - radius).abs() < 0.05, "{}", foot.point.norm());

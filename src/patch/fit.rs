@@ -3,80 +3,98 @@
 use super::analytic::support_of_shape;
 use super::bspline::BsplinePatch;
 use super::plane::Plane;
-use super::sample::Sample;
+use super::sample::{Sample, SurfaceSample};
 use super::support::{Foot, Nearest, Support};
-use crate::brep::complex::Complex;
+use crate::brep::complex::{Complex, ComplexSurface};
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
 use crate::geom::bvh::Bvh;
-use crate::ids::{IdVec, SurfaceId};
+use crate::ids::{IdVec, LeafId, SurfaceId};
 use crate::primitive::solid::Shape;
 use crate::scene::model::PatchMode;
-use rayon::prelude::*;
-use std::sync::Arc;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Arc, OnceLock};
 
 /// Patches of neighbouring facets differ by about this fraction of the shortest edges.
 const GRAIN: f64 = 1e-4;
 
 /// The support of every surface of the complex, in order; `None` for flat ones, whose facets carry their own planes.
-/// Must run on the complex as evaluated: killed facets shape the patches. Linear up to the box trees' logarithm.
+/// Must run on the complex as evaluated: killed facets shape the patches. Linear up to the box trees' logarithm; patches are
+/// fitted where somebody asks for them.
 pub fn supports_of(complex: &Complex, patches: PatchMode) -> IdVec<SurfaceId, Option<Arc<Support>>> {
-    let fitted = |surface: SurfaceId| Some(Arc::new(Support::Fitted(Box::new(FittedSurface::of(complex, surface)))));
-    complex
-        .surfaces
-        .enumerate()
-        .map(|(id, surface)| match (&surface.shape, patches) {
-            (Shape::Plane, _) => None,
-            (Shape::Sampled, _) | (_, PatchMode::BSpline) => fitted(id),
-            (shape, PatchMode::Analytic) => support_of_shape(shape).map(Arc::new),
-        })
-        .collect()
+    let is_fitted = |shape: &Shape| match (shape, patches) {
+        (Shape::Plane, _) => false,
+        (Shape::Sampled, _) | (_, PatchMode::BSpline) => true,
+        (_, PatchMode::Analytic) => false,
+    };
+    let leaves = complex.surfaces.iter().filter(|s| is_fitted(&s.shape)).map(|s| s.leaf);
+    let samples: BTreeMap<LeafId, Arc<Sample>> =
+        Sample::of_leaves(complex, leaves).into_iter().map(|(leaf, sample)| (leaf, Arc::new(sample))).collect();
+    let support = |(id, surface): (SurfaceId, &ComplexSurface)| match samples.get(&surface.leaf) {
+        Some(leaf) if is_fitted(&surface.shape) => {
+            let fitted = FittedSurface::of(SurfaceSample::new(leaf.clone(), id));
+            Some(Arc::new(Support::Fitted(Box::new(fitted))))
+        }
+        _ => support_of_shape(&surface.shape).map(Arc::new),
+    };
+    complex.surfaces.enumerate().map(support).collect()
 }
 
 /// A surface known by its facets: a patch or plane for each facet of the leaf.
 #[derive(Clone, Debug)]
 pub struct FittedSurface {
+    sample: SurfaceSample,
     triangles: Vec<[Vec3; 3]>,
     patch_of_triangle: Vec<u32>,
     tree: Bvh,
-    patches: Vec<LocalPatch>,
+    /// Facets with their patches, fitted by whoever needs them first; what they become does not depend on when.
+    patches: Vec<(u32, OnceLock<LocalPatch>)>,
     grain: f64,
     /// The triangle found last: the next question is mostly about a place beside. Answers do not depend on it.
     last: Arc<AtomicU32>,
 }
 
+/// What stands for a facet.
 #[derive(Clone, Debug)]
-pub(super) enum LocalPatch {
+pub(super) struct LocalPatch {
+    pub shape: PatchShape,
+    /// Of the facet.
+    pub width: f64,
+}
+
+#[derive(Clone, Debug)]
+pub(super) enum PatchShape {
     Plane(Plane),
     Bspline {
-        patch: BsplinePatch,
+        patch: Box<BsplinePatch>,
         /// The largest curvature that the facets show: what a patch has beyond is made up.
         most_curved: f64,
     },
 }
 
 impl FittedSurface {
-    /// Fits all facets of a surface, from its retained and its killed facets.
-    pub fn of(complex: &Complex, surface: SurfaceId) -> Self {
-        Self::fit(&Sample::of(complex, surface))
-    }
-
-    fn fit(sample: &Sample) -> Self {
-        let patches: Vec<LocalPatch> = sample.facets.par_iter().map(|facet| sample.fit_facet(facet)).collect();
-        let triangles: Vec<[Vec3; 3]> = sample.triangles.iter().map(|t| t.0.map(|v| sample.points[v as usize])).collect();
+    /// The surface that a sample shows.
+    pub(super) fn of(sample: SurfaceSample) -> Self {
+        let (mut triangles, mut patch_of_triangle, mut patches) = (Vec::new(), Vec::new(), Vec::new());
+        let mut patch_of_facet: HashMap<u32, u32> = HashMap::new();
+        for (corners, facet) in sample.triangles() {
+            triangles.push(corners);
+            patch_of_triangle.push(*patch_of_facet.entry(facet).or_insert_with(|| {
+                patches.push((facet, OnceLock::new()));
+                patches.len() as u32 - 1
+            }));
+        }
         let boxes = triangles.iter().map(|t| Aabb::around(t.iter())).collect();
-        let patch_of_triangle = sample.triangles.iter().map(|t| t.1).collect();
         let shortest = |[a, b, c]: &[Vec3; 3]| (b - a).norm().min((c - b).norm()).min((a - c).norm());
         let grain = GRAIN * triangles.iter().map(shortest).sum::<f64>() / triangles.len().max(1) as f64;
-        Self { triangles, patch_of_triangle, tree: Bvh::new(boxes), patches, grain, last: Arc::default() }
+        Self { sample, triangles, patch_of_triangle, tree: Bvh::new(boxes), patches, grain, last: Arc::default() }
     }
 
     pub(super) fn closest(&self, point: &Vec3) -> Foot {
-        let nearest = self.nearest_triangle(point);
-        match nearest.map(|t| &self.patches[self.patch_of_triangle[t as usize] as usize]) {
-            Some(LocalPatch::Plane(plane)) => plane.closest(point),
-            Some(LocalPatch::Bspline { patch, most_curved }) => {
+        match self.patch_near(point).map(|p| &p.shape) {
+            Some(PatchShape::Plane(plane)) => plane.closest(point),
+            Some(PatchShape::Bspline { patch, most_curved }) => {
                 let mut foot = patch.closest(point);
                 foot.bending *= (most_curved / foot.largest_curvature()).min(1.0);
                 foot
@@ -86,15 +104,25 @@ impl FittedSurface {
     }
 
     pub(super) fn nearest(&self, point: &Vec3) -> Nearest {
-        let triangle = self.nearest_triangle(point);
-        match triangle.map(|t| &self.patches[self.patch_of_triangle[t as usize] as usize]) {
-            Some(LocalPatch::Plane(plane)) => plane.nearest(point),
-            Some(LocalPatch::Bspline { patch, most_curved }) => {
+        match self.patch_near(point).map(|p| &p.shape) {
+            Some(PatchShape::Plane(plane)) => plane.nearest(point),
+            Some(PatchShape::Bspline { patch, most_curved }) => {
                 let near = patch.nearest(point);
                 Nearest { curvature: near.curvature.min(*most_curved), ..near }
             }
             None => Nearest { point: *point, normal: Vec3::z(), curvature: 0.0 },
         }
+    }
+
+    /// Width of the nearest facet.
+    pub(super) fn spacing(&self, point: &Vec3) -> f64 {
+        self.patch_near(point).map_or(0.0, |p| p.width)
+    }
+
+    /// The patch of the nearest facet.
+    fn patch_near(&self, point: &Vec3) -> Option<&LocalPatch> {
+        let (facet, patch) = &self.patches[self.patch_of_triangle[self.nearest_triangle(point)? as usize] as usize];
+        Some(patch.get_or_init(|| self.sample.fit_facet(*facet)))
     }
 
     /// Nearest triangle, the first of equally near ones.
@@ -109,11 +137,6 @@ impl FittedSurface {
     /// Steps from patch to patch below this are no steps.
     pub(super) fn grain(&self) -> f64 {
         self.grain
-    }
-
-    /// How many facets fell back to their plane, and how many there are.
-    pub fn plane_count(&self) -> (usize, usize) {
-        (self.patches.iter().filter(|p| matches!(p, LocalPatch::Plane(_))).count(), self.patches.len())
     }
 }
 

@@ -9,7 +9,8 @@
 //! | `plane`, `analytic`, `ellipsoid` | exact surfaces of primitives |
 //! | `bspline` | bicubic least-squares patch with thin-plate or membrane term |
 //! | `fit` | surfaces known by their facets: a patch for each |
-//! | `sample` | which points shape the patch of which facet; the 2 % rule |
+//! | `sample` | the facets of a surface, and what lies beside what |
+//! | `surroundings` | which points shape the patch of which facet; the 2 % rule |
 //! | `curve` | lines, circles, polylines, and curves between surfaces |
 //!
 //! ```text
@@ -26,3 +27,4 @@ pub mod fit;
 pub mod plane;
 mod sample;
 pub mod support;
+mod surroundings;

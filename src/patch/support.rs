@@ -156,6 +156,14 @@ impl Support {
         }
     }
 
+    /// How far the points are apart by which it is known near a point: what is smaller is made up. 0 if it is known everywhere.
+    pub fn spacing(&self, point: &Vec3) -> f64 {
+        match self {
+            Self::Fitted(s) => s.spacing(point),
+            _ => 0.0,
+        }
+    }
+
     /// Whether it is known by its facets only.
     pub fn is_fitted(&self) -> bool {
         matches!(self, Self::Fitted(_))

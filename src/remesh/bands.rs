@@ -59,7 +59,7 @@ impl Choice {
         let hot = strips.hot_points(&is_off);
         let cuts = strips.cuts(&hot);
         let is_ruled: Vec<bool> = complex.facets.ids().map(|f| strips.is_ruled(f)).collect();
-        let is_modified = modified_or_beside(complex);
+        let is_modified = strips.is_modified.clone();
         let mut slides = Vec::new();
         let mut marks = Marks::new();
         for (edge, list) in cuts {
@@ -119,6 +119,8 @@ struct Strips<'a> {
     facets_of_edge: Vec<(Edge, FacetId)>,
     /// What counts as no distance.
     reach: f64,
+    /// By facet: whether an intersection cut it or a triangle beside it.
+    is_modified: Vec<bool>,
 }
 
 impl<'a> Strips<'a> {
@@ -129,7 +131,7 @@ impl<'a> Strips<'a> {
         }
         facets_of_edge.sort_unstable();
         let reach = OFF * Aabb::around(complex.vertices.iter().map(|v| &v.point)).diagonal();
-        Self { complex, supports, facets_of_edge, reach }
+        Self { complex, supports, facets_of_edge, reach, is_modified: modified_or_beside(complex) }
     }
 
     fn around(&self, edge: Edge) -> impl Iterator<Item = FacetId> + '_ {
@@ -141,8 +143,14 @@ impl<'a> Strips<'a> {
         self.complex.vertices[vertex].point
     }
 
+    /// The support of a facet; fitted ones only where they are needed, for there is one patch to be fitted for every facet.
     fn support(&self, facet: FacetId) -> Option<&'a Support> {
-        self.supports[self.complex.facets[facet].surface].as_deref()
+        let support = self.supports[self.complex.facets[facet].surface].as_deref()?;
+        (!support.is_fitted() || self.is_modified[facet.index()]).then_some(support)
+    }
+
+    fn is_flat(&self, facet: FacetId) -> bool {
+        self.supports[self.complex.facets[facet].surface].is_none()
     }
 
     /// Whether the surface of a facet is straight in one direction.
@@ -155,7 +163,7 @@ impl<'a> Strips<'a> {
 
     /// Whether an edge is straight on the surface of a facet.
     fn is_straight_on(&self, [a, b]: Edge, facet: FacetId) -> bool {
-        let Some(support) = self.support(facet) else { return true };
+        let Some(support) = self.support(facet) else { return self.is_flat(facet) };
         let (a, b) = (self.point(a), self.point(b));
         let foot = support.closest(&((a + b) * 0.5));
         foot.is_straight_along(&(b - a))

@@ -75,8 +75,9 @@ use workpiece::Workpiece;
 
 type Supports = IdVec<SurfaceId, Option<Arc<Support>>>;
 
-/// Attempts at most; each one gives up something where facets met in the one before.
-const ATTEMPTS: usize = 8;
+/// Attempts at most; each one gives up something where facets met in the one before. An import with many grazing cuts took eight,
+/// most of them broken off early.
+const ATTEMPTS: usize = 12;
 /// Share of the deviation bound of surfaces on which facets met.
 const CLOSER_SHARE: f64 = 0.5;
 
@@ -106,8 +107,10 @@ pub fn remesh(complex: Complex, options: &RemeshOptions, parts: &IdVec<PartId, P
     let mut retreat = Retreat { shares: vec![1.0; complex.surfaces.len()], choice, round: 0.0 };
     for left in (0..ATTEMPTS).rev() {
         let mut work = Workpiece::new(complex.clone(), supports.clone(), retreat.shares.clone(), retreat.choice.clone())?;
-        work.remesh(options, parts);
-        let faults = work.faults();
+        let is_done = work.remesh(options, parts);
+        let mut faults = work.faults();
+        // Half done, it has needles that would go.
+        faults.retain(|f| is_done || f.is_contact);
         let is_last = !retreat.give_up(&faults, &complex, &supports) || left == 0;
         if is_last && faults.iter().all(|f| !f.is_contact) {
             let mut done = work.brep.to_complex();
@@ -180,7 +183,8 @@ impl Workpiece {
         })
     }
 
-    fn remesh(&mut self, options: &RemeshOptions, parts: &IdVec<PartId, Part>) {
+    /// False if it was broken off, because facets meet.
+    fn remesh(&mut self, options: &RemeshOptions, parts: &IdVec<PartId, Part>) -> bool {
         let size = Aabb::around(self.brep.vertices.iter().map(|v| &v.point)).diagonal();
         let treated = self.chosen();
         self.bound = match options.max_deviation {
@@ -190,9 +194,12 @@ impl Workpiece {
         let limits = Limits::of(self, size, parts);
         self.divide(&treated);
         self.find_features();
-        self.run(&limits);
-        self.clear_bends(&limits);
-        self.merge_flat();
+        let is_done = self.run(&limits);
+        if is_done {
+            self.clear_bends(&limits);
+            self.merge_flat();
+        }
+        is_done
     }
 
     /// The facets to be remeshed.

@@ -69,8 +69,8 @@ impl<I: Id> Queue<I> {
 }
 
 impl Workpiece {
-    /// The whole remeshing of the treated facets.
-    pub fn run(&mut self, limits: &Limits) {
+    /// The whole remeshing of the treated facets; false if it was broken off, because facets meet where their surfaces are a guess.
+    pub fn run(&mut self, limits: &Limits) -> bool {
         self.settle();
         for round in 0..ROUNDS {
             self.renew_sizes(limits);
@@ -85,6 +85,10 @@ impl Workpiece {
             let edges = self.active_edges();
             self.swap_all(&edges);
             self.smooth();
+            let is_early = round == 0 || round + 1 == ROUNDS;
+            if is_early && self.is_guess() && self.faults().iter().any(|f| f.is_contact) {
+                return false;
+            }
             if round + 1 == ROUNDS {
                 self.smooth();
             }
@@ -101,6 +105,12 @@ impl Workpiece {
         }
         self.weigh_obtuse(0.0);
         self.polish();
+        true
+    }
+
+    /// Whether a surface is known by its facets only.
+    fn is_guess(&self) -> bool {
+        self.supports.iter().flatten().any(|s| s.is_fitted())
     }
 
     /// Obtuse triangles count as sharp ones from here on; all measures change.

@@ -37,6 +37,10 @@ const EASE: f64 = 1.5;
 /// The default bound follows the curvature (equation 4.1) within this factor of its mean.
 const BOUND_RANGE: f64 = 4.0;
 
+/// Shortest edges over the distance of the points by which a surface is known, where the user or a gap asks for short ones: there is
+/// nothing finer to be followed.
+const FINEST: f64 = 0.25;
+
 /// A slide by a few hundredths of an edge changes its deviation by this factor at most.
 const SLACK: f64 = 1.1;
 
@@ -61,6 +65,15 @@ impl Bound {
         match *self {
             Self::Fixed(d) => d,
             Self::ByCurvature { scale, range: [low, high] } => (scale / curvature.abs()).clamp(low, high),
+        }
+    }
+
+    /// Shortest length that makes sense where a surface is known by points that are so far apart: no less than that, unless the user
+    /// wants it finer.
+    pub fn finest(&self, spacing: f64) -> f64 {
+        match self {
+            Self::Fixed(_) => FINEST * spacing,
+            Self::ByCurvature { .. } => spacing,
         }
     }
 
@@ -149,10 +162,11 @@ impl Limits {
         }
     }
 
-    /// The wanted length, at most `length`, at a point of some surfaces.
-    fn limit(&self, point: &Vec3, length: f64, surfaces: &[SurfaceId]) -> f64 {
-        let limited = surfaces.iter().map(|s| self.max_edge[s.index()]).fold(length, f64::min);
-        (PER_GAP * self.gap(point, limited / PER_GAP, surfaces)).max(self.least)
+    /// The wanted length, at most `length`, at a point of some surfaces; gaps do not make it less than `finest`.
+    fn limit(&self, point: &Vec3, length: f64, surfaces: &[SurfaceId], finest: f64) -> f64 {
+        let wanted = surfaces.iter().map(|s| self.max_edge[s.index()]).fold(f64::INFINITY, f64::min);
+        let limited = PER_GAP * self.gap(point, length.min(wanted) / PER_GAP, surfaces);
+        limited.max(finest.min(wanted)).max(self.least)
     }
 
     /// Distance to the nearest facet that shares no curve with some surfaces, at most `reach`.
@@ -194,7 +208,10 @@ impl Workpiece {
         {
             size = size.min((8.0 * self.bound.along(foot.curvature) / foot.curvature).sqrt());
         }
-        limits.limit(&point, size.min(self.strip_width(vertex) * PER_STRIP), &surfaces)
+        let spacing =
+            surfaces.iter().filter_map(|&s| self.supports[s].as_deref()).map(|s| s.spacing(&point)).fold(0.0, f64::max);
+        let size = size.max(self.bound.finest(spacing));
+        limits.limit(&point, size.min(self.strip_width(vertex) * PER_STRIP), &surfaces, FINEST * spacing)
     }
 
     /// Width of the surface at a vertex of a feature curve: the shortest edge straight across to another curve. Edges around a
@@ -224,8 +241,8 @@ impl Workpiece {
             length_on(&foot, self.bound.along(foot.largest_curvature()))
         };
         let here = length_at(point);
-        // No apex, and what is far off on a fitted surface is expensive to find.
-        if here >= limits.large {
+        // No apex.
+        if support.is_fitted() || here >= limits.large {
             return here;
         }
         let middle = star.iter().filter_map(|&f| self.corners(f)).flatten().map(|v| self.point(v) - point).sum::<Vec3>();

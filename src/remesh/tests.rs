@@ -147,3 +147,37 @@ fn off_changes_nothing() {
     let options = RemeshOptions { mode: RemeshMode::Off, ..Default::default() };
     assert_eq!(remesh(before.clone(), &options, &IdVec::new()).unwrap().facets, before.facets);
 }
+
+/// Distance from the axis of what a fitted support of the side makes of a point.
+fn fitted_radius(complex: &Complex, point: Vec3) -> f64 {
+    let supports = supports_of(complex, crate::scene::model::PatchMode::BSpline);
+    let foot = supports[SurfaceId(0)].as_ref().unwrap().nearest(&point).point;
+    libm::hypot(foot.x, foot.y)
+}
+
+#[test]
+fn patches_of_long_strips_are_round_between_their_ends() {
+    // A chord's middle is 0.43 inside; a plate without bending of its own would be 0.3 inside between the rims.
+    let complex = cylinder(50.0, 300.0, 24);
+    let apothem = 50.0 * libm::cos(std::f64::consts::PI / 24.0);
+    for z in [1.0, 75.0, 150.0, 290.0] {
+        let angle = std::f64::consts::PI / 24.0;
+        let middle = Vec3::new(apothem * libm::cos(angle), apothem * libm::sin(angle), z);
+        let radius = fitted_radius(&complex, middle);
+        assert!((radius - 50.0).abs() < 0.03, "{radius} at {z}");
+    }
+}
+
+#[test]
+fn killed_caps_do_not_belong_to_the_side() {
+    let mut complex = cylinder(50.0, 100.0, 24);
+    let point = |v: VertexId| complex.vertices[v].point;
+    let caps = complex.facets.iter().filter(|f| f.surface != SurfaceId(0));
+    let triangles = caps.flat_map(|f| f.triangles.iter().map(move |t| (f.source, t.map(point))));
+    let killed = triangles.map(|(source, triangle)| crate::brep::complex::KilledFacet { source, triangle }).collect();
+    complex.facets = complex.facets.iter().filter(|f| f.surface == SurfaceId(0)).cloned().collect();
+    complex.killed = killed;
+    // Nearer to the cap than to the side, whose patch it is to be brought on.
+    let radius = fitted_radius(&complex, Vec3::new(47.0, 1.0, 100.0));
+    assert!((radius - 50.0).abs() < 0.03, "{radius}");
+}
