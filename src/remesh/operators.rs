@@ -47,7 +47,7 @@ impl Effect {
 
 /// Split.
 impl Workpiece {
-    /// Splits an edge in the middle, on its true curve or surface if it can, and says what was touched; `None` if it would
+    /// Splits an edge near the middle, on its true curve or surface if it can, and says what was touched; `None` if it would
     /// harm a polygon or flip a triangle.
     pub fn split(&mut self, edge: EdgeId) -> Option<Touched> {
         let (place, at) = self.site_of_split(edge)?;
@@ -58,7 +58,7 @@ impl Workpiece {
     pub fn site_of_split(&mut self, edge: EdgeId) -> Option<(Place, Vec3)> {
         let ends = self.brep.topology.ends(edge);
         let [a, b] = ends.map(|v| self.point(v));
-        let middle = (a + b) * 0.5;
+        let middle = a + (b - a) * self.share_of_split(edge);
         let around: Vec<FacetId> = self.brep.topology.facets_around(edge).collect();
         let treated: Vec<FacetId> = around.iter().copied().filter(|&f| self.is_treated(f)).collect();
         let surface = self.brep.facets[*treated.first()?].surface;
@@ -83,6 +83,14 @@ impl Workpiece {
         };
         let at = [home, middle].into_iter().find(|at| *at != a && *at != b && allowed(at))?;
         Some((place, at))
+    }
+
+    /// Where to split an edge: in the middle, but a chord of a curved feature so that, split again, its pieces become equal and as long
+    /// as wanted. Straight ones are halved as the rulings beside them are: their vertices make rows.
+    fn share_of_split(&self, edge: EdgeId) -> f64 {
+        let is_bent = self.curve_of(edge).is_some_and(|c| !matches!(self.curves[c], Curve::Line { .. }));
+        let pieces = if is_bent { self.relative_length(edge).round().max(2.0) } else { 2.0 };
+        (pieces * 0.5).floor() / pieces
     }
 
     /// Splits an edge at such a site.
