@@ -52,8 +52,8 @@ struct Aim {
     is_forced: bool,
 }
 
-/// The worth of a move, smallest best: a slide or a foot, bends mended, angles.
-type Rank = (bool, Reverse<usize>, f64);
+/// The worth of a move, smallest best: bends mended, angles.
+type Rank = (Reverse<usize>, f64);
 
 impl Workpiece {
     /// Moves vertices until no two neighbouring facets are almost, but not quite, in one plane, as far as that is legal.
@@ -166,43 +166,59 @@ impl Workpiece {
         let mut vertices: Vec<VertexId> = facets.filter_map(|f| self.corners(f)).flatten().collect();
         vertices.sort_unstable();
         vertices.dedup();
+        let mut best = self.best_move(edge, &vertices, Self::feet, aim, limits);
+        if best.is_none() && aim.is_forced {
+            best = self.best_move(edge, &vertices, |me, v, _| me.slides(v), aim, limits);
+        }
+        let (vertex, to) = best?;
+        self.relocate(vertex, to);
+        Some(vertex)
+    }
+
+    /// The best of the places that some vertices may go to, and by which they mend an edge.
+    fn best_move(
+        &mut self,
+        edge: EdgeId,
+        vertices: &[VertexId],
+        places: impl Fn(&Self, VertexId, EdgeId) -> Vec<Vec3>,
+        aim: Aim,
+        limits: &Limits,
+    ) -> Option<(VertexId, Vec3)> {
         let mut best: Option<(Rank, VertexId, Vec3)> = None;
-        for vertex in vertices {
-            let feet = self.feet(vertex, edge).into_iter().map(|to| (false, to));
-            let slides = if aim.is_forced { self.slides(vertex) } else { Vec::new() };
-            let places = feet.chain(slides.into_iter().map(|to| (true, to)));
-            let places: Vec<_> = places.filter(|(_, to)| self.is_within_reach(vertex, to, limits)).collect();
+        for &vertex in vertices {
+            let mut places = places(self, vertex, edge);
+            // What a place mends first: it costs a fraction of a look at the supports.
+            places.retain(|to| self.with_vertex_at(vertex, to, |me| !me.is_weak(edge, aim)));
+            places.retain(|to| self.is_within_reach(vertex, to, limits));
             if places.is_empty() {
                 continue;
             }
-            // What a place mends first: it costs a fraction of a look at the supports.
             let edges = self.edges_of_star(vertex);
             let weak = self.count_weak(&edges, aim);
-            let mut useful = Vec::new();
-            for (is_slide, to) in places {
-                let from = std::mem::replace(&mut self.brep.vertices[vertex].point, to);
-                let mended = weak.saturating_sub(self.count_weak(&edges, aim));
-                self.brep.vertices[vertex].point = from;
-                if mended > 0 {
-                    useful.push((is_slide, Reverse(mended), to));
-                }
-            }
-            if useful.is_empty() {
-                continue;
-            }
+            let left: Vec<usize> =
+                places.iter().map(|to| self.with_vertex_at(vertex, to, |me| me.count_weak(&edges, aim))).collect();
             let ring = self.ring(vertex);
-            for (is_slide, mended, to) in useful {
-                let is_late = best.as_ref().is_some_and(|((slide, most, _), ..)| (is_slide, mended) > (*slide, *most));
-                let Some(after) = (!is_late).then(|| self.bent(vertex, &ring, &to, aim)).flatten() else { continue };
-                let rank = (is_slide, mended, after.cosine);
+            for (to, left) in places.into_iter().zip(left) {
+                let is_late = best.as_ref().is_some_and(|((fewest, _), ..)| Reverse(weak.saturating_sub(left)) > *fewest);
+                if left >= weak || is_late {
+                    continue;
+                }
+                let Some(after) = self.bent(vertex, &ring, &to, aim) else { continue };
+                let rank = (Reverse(weak - left), after.cosine);
                 if best.as_ref().is_none_or(|b| rank < b.0) {
                     best = Some((rank, vertex, to));
                 }
             }
         }
-        let (_, vertex, to) = best?;
-        self.relocate(vertex, to);
-        Some(vertex)
+        best.map(|(_, vertex, to)| (vertex, to))
+    }
+
+    /// What is found with a vertex elsewhere for once.
+    fn with_vertex_at<T>(&mut self, vertex: VertexId, to: &Vec3, find: impl Fn(&Self) -> T) -> T {
+        let from = std::mem::replace(&mut self.brep.vertices[vertex].point, *to);
+        let found = find(self);
+        self.brep.vertices[vertex].point = from;
+        found
     }
 
     /// Whether a vertex deviates at a place by no more than its triangles may, and keeps clear of what is across a gap: most places
