@@ -22,8 +22,7 @@ use std::cmp::Reverse;
 /// Sine of the angle between planes below which TetGen might merge facets: 0.12 degrees.
 const MERGED_SINE: f64 = 2.1e-3;
 /// Sines below which facets are brought into one plane where that costs no shape (2.6 and 8.6 degrees), the easy ones first; not on
-/// fitted surfaces, where most bends are as weak. The
-/// more, the fewer edges TetGen has to keep: with 0.03 at most, three_cylinders wholly remeshed needs a quarter more tetrahedra.
+/// fitted surfaces, where most bends are as weak. The more, the fewer edges TetGen has to keep: with 0.03 at most, three_cylinders wholly remeshed needs a quarter more tetrahedra.
 const NEAR_SINES: [f64; 2] = [0.045, 0.15];
 /// Facets are in one plane if no corner is farther off than this fraction of the size.
 const COPLANAR: f64 = 1e-13;
