@@ -131,7 +131,7 @@ struct Retreat {
     /// By surface: share of the deviation bound that it may use.
     shares: Vec<f64>,
     choice: Choice,
-    /// How often before: each time facets farther from the places are given up, by their own size.
+    /// How far from the places facets are given up, in sizes of the place: each time twice as far, so that it comes to an end soon.
     round: f64,
 }
 
@@ -146,7 +146,7 @@ impl Retreat {
             self.shares[fault.surface.index()] = CLOSER_SHARE;
         }
         let mut is_less = !new.is_empty();
-        self.round += 1.0;
+        self.round = (2.0 * self.round).max(1.0);
         if again.is_empty() {
             return is_less;
         }
