@@ -15,6 +15,9 @@
 //!           -- tetgen -----> volume mesh, verified -- io --> files for solvers -- report --> statistics
 //! ```
 
+// Nothing that a user gives may end the program.
+#![cfg_attr(not(test), deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::unreachable))]
+
 pub mod arrangement;
 pub mod brep;
 pub mod classify;

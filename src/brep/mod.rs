@@ -14,9 +14,9 @@ mod tiles;
 pub mod walk;
 
 #[cfg(test)]
-mod bench;
-#[cfg(test)]
 mod local_tests;
+#[cfg(test)]
+mod plate_tests;
 #[cfg(test)]
 mod samples;
 #[cfg(test)]

@@ -59,7 +59,7 @@ impl Choice {
         let hot = strips.hot_points(&is_off);
         let cuts = strips.cuts(&hot);
         let is_ruled: Vec<bool> = complex.facets.ids().map(|f| strips.is_ruled(f)).collect();
-        let is_modified = strips.is_modified.clone();
+        let Strips { is_modified, .. } = strips;
         let mut slides = Vec::new();
         let mut marks = Marks::new();
         for (edge, list) in cuts {

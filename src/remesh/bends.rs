@@ -22,7 +22,8 @@ use std::cmp::Reverse;
 /// Sine of the angle between planes below which TetGen might merge facets: 0.12 degrees.
 const MERGED_SINE: f64 = 2.1e-3;
 /// Sines below which facets are brought into one plane where that costs no shape (2.6 and 8.6 degrees), the easy ones first; not on
-/// fitted surfaces, where most bends are as weak. The more, the fewer edges TetGen has to keep: with 0.03 at most, three_cylinders wholly remeshed needs a quarter more tetrahedra.
+/// fitted surfaces, where most bends are as weak. The more, the fewer edges TetGen has to keep: with 0.03 at most, three_cylinders wholly
+/// remeshed needs a quarter more tetrahedra.
 const NEAR_SINES: [f64; 2] = [0.045, 0.15];
 /// Facets are in one plane if no corner is farther off than this fraction of the size.
 const COPLANAR: f64 = 1e-13;
@@ -194,16 +195,16 @@ impl Workpiece {
             }
             let edges = self.edges_of_star(vertex);
             let weak = self.count_weak(&edges, aim);
-            let left: Vec<usize> =
-                places.iter().map(|to| self.with_vertex_at(vertex, to, |me| me.count_weak(&edges, aim))).collect();
+            let mut mended = |to: &Vec3| weak.saturating_sub(self.with_vertex_at(vertex, to, |me| me.count_weak(&edges, aim)));
+            let mended: Vec<usize> = places.iter().map(&mut mended).collect();
             let ring = self.ring(vertex);
-            for (to, left) in places.into_iter().zip(left) {
-                let is_late = best.as_ref().is_some_and(|((fewest, _), ..)| Reverse(weak.saturating_sub(left)) > *fewest);
-                if left >= weak || is_late {
+            for (to, mended) in places.into_iter().zip(mended) {
+                let is_late = best.as_ref().is_some_and(|((most, _), ..)| Reverse(mended) > *most);
+                if mended == 0 || is_late {
                     continue;
                 }
                 let Some(after) = self.bent(vertex, &ring, &to, aim) else { continue };
-                let rank = (Reverse(weak - left), after.cosine);
+                let rank = (Reverse(mended), after.cosine);
                 if best.as_ref().is_none_or(|b| rank < b.0) {
                     best = Some((rank, vertex, to));
                 }

@@ -10,9 +10,10 @@
 //! 3. Feature edges (`features`) are chained between corners; every chain gets its true curve, every vertex its place: corner,
 //!    on a curve, on a surface. A vertex of an intersection is projected on all surfaces at once.
 //! 4. Sizes (`sizing`): the edge length whose chord has the allowed deviation, limited by parts and thin gaps, graded.
-//! 5. Rounds (`schedule`): collapse chords of curves that are too short; split what is too long, longest first and rulings before what
-//!    crosses them, with swaps around each new vertex; collapse what is too short, shortest first; bring vertices home onto their curves and surfaces;
-//!    swap; move vertices to the middle. From the second round on, lengths beside curves fit the chords that had to stay.
+//! 5. Rounds (`schedule`): collapse chords of curves that are too short; split what is too long, longest first and rulings before
+//!    what crosses them, with swaps around each new vertex; collapse what is too short, shortest first; bring vertices home onto
+//!    their curves and surfaces; swap; move vertices to the middle. From the second round on, lengths beside curves fit the chords
+//!    that had to stay.
 //! 6. Polish (`polish`), worst triangle first: the one of swap, collapse and relocation (`ring`: a pattern search) that raises the
 //!    smallest angle around most.
 //! 7. Thin out: collapse what shape and deviation do not need; split what still deviates too far; polish.

@@ -15,8 +15,8 @@ use crate::patch::curve::Curve;
 use crate::primitive::solid::Freedom;
 
 /// Least gain, in the cosine of the smallest angle (a quarter of a degree), for which an angle is raised: without it, a patch would
-/// creep towards its best shape in endless tiny steps. For needles, of less than 10 degrees, a tenth of the angle: then 1 - cosine grows by
-/// a fifth.
+/// creep towards its best shape in endless tiny steps. For needles, of less than 10 degrees, a tenth of the angle: then 1 - cosine
+/// grows by a fifth.
 const LEAST_GAIN: f64 = 3e-3;
 const NEEDLE_GAIN: f64 = 0.2;
 

@@ -137,8 +137,8 @@ impl Workpiece {
         self.grade_sizes();
     }
 
-    /// Lowers the sizes at curves whose chords are shorter than wanted, but cannot be collapsed: triangles beside them are to be as long
-    /// as these are wide.
+    /// Lowers the sizes at curves whose chords are shorter than wanted, but cannot be collapsed: triangles beside them are to be as
+    /// long as these are wide.
     fn fit_sizes_to_chords(&mut self) {
         for v in self.active_vertices() {
             if !matches!(self.place(v), Place::Curve(_)) {
@@ -192,12 +192,12 @@ impl Workpiece {
     /// How much a long edge asks to be split.
     fn urgency(&self, edge: EdgeId) -> f64 {
         let length = self.relative_length(edge);
-        let support = || self.support(self.brep.topology.facets_around(edge).find(|&f| self.is_treated(f))?);
         if self.brep.is_feature(edge) {
             return length;
         }
         let [a, b] = self.brep.topology.ends(edge).map(|v| self.point(v));
-        let is_straight = support().is_none_or(|s| s.closest(&((a + b) * 0.5)).is_straight_along(&(b - a)));
+        let support = self.brep.topology.facets_around(edge).find(|&f| self.is_treated(f)).and_then(|f| self.support(f));
+        let is_straight = support.is_none_or(|s| s.closest(&((a + b) * 0.5)).is_straight_along(&(b - a)));
         if is_straight { length } else { ACROSS * length }
     }
 

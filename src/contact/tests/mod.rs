@@ -4,7 +4,7 @@ mod cases;
 mod chords;
 mod hard;
 mod invariants;
-mod speed;
+mod many;
 
 use super::conform;
 use super::conforming::Conforming;
