@@ -32,7 +32,7 @@ const FLAT_KEEPS: f64 = 40.0;
 /// Deviation is measured at the points of a triangle whose barycentric coordinates are multiples of one over this: vertices that
 /// left their surface for a plane add to the chords' deviation between the points that are looked at elsewhere.
 const SAMPLES: u32 = 4;
-/// Lengths of slides that are tried, in shortest edges at the vertex.
+/// Lengths of slides that are tried, in shortest edges at the vertex, until one helps.
 const SLIDES: [f64; 6] = [0.005, 0.01, 0.02, 0.04, 0.08, 0.16];
 /// How far a vertex may leave its surface towards another one, as a share of the gap: that one may come as near.
 const GAP_SHARE: f64 = 0.25;
@@ -117,17 +117,20 @@ impl Workpiece {
     fn is_weak(&self, edge: EdgeId, aim: Aim) -> bool {
         let mut facets = self.brep.topology.facets_around(edge);
         let (Some(f), Some(g), None) = (facets.next(), facets.next(), facets.next()) else { return false };
-        if !aim.is_forced && self.support(f).is_some_and(Support::is_fitted) {
+        if self.brep.facets[f].marker != self.brep.facets[g].marker {
             return false;
         }
         let (m, n) = (self.normal(f), self.normal(g));
-        if self.brep.facets[f].marker != self.brep.facets[g].marker || m.cross(&n).norm() > aim.sine {
+        if m.cross(&n).norm_squared() > aim.sine * aim.sine {
+            return false;
+        }
+        if !aim.is_forced && self.support(f).is_some_and(Support::is_fitted) {
             return false;
         }
         let start = self.point(self.brep.topology.ends(edge)[0]);
         let is_off = |facet: FacetId, normal: &Vec3| {
-            let fins = self.brep.topology.fins_of_facet(facet);
-            fins.flat_map(|fin| self.brep.topology.fin_ends(fin)).any(|v| normal.dot(&(self.point(v) - start)).abs() > aim.flat)
+            let mut corners = self.brep.topology.fins_of_facet(facet).map(|fin| self.brep.topology.fin_ends(fin)[0]);
+            corners.any(|v| normal.dot(&(self.point(v) - start)).abs() > aim.flat)
         };
         is_off(f, &n) || is_off(g, &m)
     }
@@ -167,8 +170,8 @@ impl Workpiece {
         vertices.sort_unstable();
         vertices.dedup();
         let mut best = self.best_move(edge, &vertices, Self::feet, aim, limits);
-        if best.is_none() && aim.is_forced {
-            best = self.best_move(edge, &vertices, |me, v, _| me.slides(v), aim, limits);
+        for step in SLIDES.iter().filter(|_| aim.is_forced) {
+            best = best.or_else(|| self.best_move(edge, &vertices, |me, v, _| me.slides(v, *step), aim, limits));
         }
         let (vertex, to) = best?;
         self.relocate(vertex, to);
@@ -187,20 +190,23 @@ impl Workpiece {
         let mut best: Option<(Rank, VertexId, Vec3)> = None;
         for &vertex in vertices {
             let mut places = places(self, vertex, edge);
-            // What a place mends first: it costs a fraction of a look at the supports.
             places.retain(|to| self.with_vertex_at(vertex, to, |me| !me.is_weak(edge, aim)));
-            places.retain(|to| self.is_within_reach(vertex, to, limits));
             if places.is_empty() {
                 continue;
             }
             let edges = self.edges_of_star(vertex);
             let weak = self.count_weak(&edges, aim);
-            let mut mended = |to: &Vec3| weak.saturating_sub(self.with_vertex_at(vertex, to, |me| me.count_weak(&edges, aim)));
-            let mended: Vec<usize> = places.iter().map(&mut mended).collect();
+            // What a place mends first: it costs a fraction of a look at the supports.
+            let mended =
+                |to: Vec3| (weak.saturating_sub(self.with_vertex_at(vertex, &to, |me| me.count_weak(&edges, aim))), to);
+            let mut places: Vec<(usize, Vec3)> = places.into_iter().map(mended).filter(|p| p.0 > 0).collect();
+            self.keep_within_reach(vertex, &mut places, limits);
+            if places.is_empty() {
+                continue;
+            }
             let ring = self.ring(vertex);
-            for (to, mended) in places.into_iter().zip(mended) {
-                let is_late = best.as_ref().is_some_and(|((most, _), ..)| Reverse(mended) > *most);
-                if mended == 0 || is_late {
+            for (mended, to) in places {
+                if best.as_ref().is_some_and(|((most, _), ..)| Reverse(mended) > *most) {
                     continue;
                 }
                 let Some(after) = self.bent(vertex, &ring, &to, aim) else { continue };
@@ -221,15 +227,16 @@ impl Workpiece {
         found
     }
 
-    /// Whether a vertex deviates at a place by no more than its triangles may, and keeps clear of what is across a gap: most places
-    /// in a surface fail this, and soonest.
-    fn is_within_reach(&self, vertex: VertexId, to: &Vec3, limits: &Limits) -> bool {
-        let Place::Surface(surface) = self.place(vertex) else { return true };
-        let Some(support) = self.supports[surface].as_deref() else { return true };
-        let star = || self.brep.topology.facets_at(vertex).filter(|&f| self.is_treated(f));
-        let worst = star().map(|f| self.measure_facet(f)).fold(Measure::BEST, Measure::worse_of);
-        star().next().is_none_or(|f| self.is_allowed_at(support, f, to, self.allowed(worst)))
-            && limits.is_clear(to, support.distance(to) / GAP_SHARE, surface)
+    /// Drops the places where a vertex deviates by more than its triangles may, or does not keep clear of what is across a gap.
+    fn keep_within_reach(&self, vertex: VertexId, places: &mut Vec<(usize, Vec3)>, limits: &Limits) {
+        let Place::Surface(surface) = self.place(vertex) else { return };
+        let Some(support) = self.supports[surface].as_deref() else { return };
+        let star = self.star(vertex);
+        let Some(&facet) = star.first().filter(|_| !places.is_empty()) else { return };
+        let allowed = self.allowed(self.worst(&star));
+        places.retain(|(_, to)| {
+            self.is_allowed_at(support, facet, to, allowed) && limits.is_clear(to, support.distance(to) / GAP_SHARE, surface)
+        });
     }
 
     /// Multiple of the bound within which triangles stay that were like this.
@@ -291,13 +298,12 @@ impl Workpiece {
         at.iter().all(|x| x.is_finite()).then_some(at)
     }
 
-    /// Places near a vertex on its curve or surface.
-    fn slides(&self, vertex: VertexId) -> Vec<Vec3> {
+    /// Places near a vertex on its curve or surface, `step` times its shortest edge away.
+    fn slides(&self, vertex: VertexId, step: f64) -> Vec<Vec3> {
         let here = self.point(vertex);
         let Some(directions) = self.directions(self.place(vertex), &here) else { return Vec::new() };
         let shortest = self.brep.topology.neighbours(vertex).map(|n| (self.point(n) - here).norm());
         let shortest = shortest.fold(f64::INFINITY, f64::min);
-        let steps = SLIDES.iter().flat_map(|s| directions.iter().map(move |d| here + d * (s * shortest)));
-        steps.map(|to| self.home(vertex, &to)).collect()
+        directions.iter().map(|d| self.home(vertex, &(here + d * (step * shortest)))).collect()
     }
 }

@@ -10,10 +10,10 @@ use crate::ids::{FacetId, VertexId};
 
 /// Shares of the shortest edge at a vertex: the first step of the search for its best place.
 const FIRST_STEP: f64 = 0.4;
+/// And a step that tells where the smallest angle grows: less than the last one of the search.
+const LEAST_STEP: f64 = 0.005;
 /// Steps of the pattern search for the best place.
 const SEARCH_STEPS: usize = 6;
-/// A step of the search is dropped before it is projected if its cosine is worse by more than this: projection changes less.
-const NEAR_HOME: f64 = 0.01;
 
 /// The vertex of a ring.
 #[derive(Clone, Copy, Debug)]
@@ -183,6 +183,13 @@ impl Ring<'_> {
         is_clear.then_some(Effect { before: self.before, after })
     }
 
+    /// The directions in which the smallest angle does not fall at once from a place. It is quasi-concave: in the others it is no larger
+    /// farther away either.
+    fn promising(&self, directions: &[Vec3], shortest: f64, (here, effect): &(Vec3, Effect)) -> Vec<Vec3> {
+        let step = LEAST_STEP * shortest;
+        directions.iter().filter(|d| !self.is_sharper(&(here + *d * step), effect.after.cosine)).copied().collect()
+    }
+
     /// The place near the vertex where the smallest angle around it is largest, by pattern search along its curve or in its
     /// tangent plane; `None` if nothing is better than here.
     pub fn best_place(&self) -> Option<(Vec3, Effect)> {
@@ -192,23 +199,28 @@ impl Ring<'_> {
         let shortest = spans.filter(|&d| d > 0.0).fold(f64::INFINITY, f64::min).sqrt();
         let mut step = FIRST_STEP * shortest;
         let mut best = (self.here, Effect { before: self.before, after: self.before });
+        let mut promising = self.promising(&directions, shortest, &best);
         let mut places: Vec<(f64, Vec3)> = Vec::with_capacity(directions.len());
         for _ in 0..SEARCH_STEPS {
             let least = best.1.after.cosine;
             places.clear();
-            for d in &directions {
+            places.extend(promising.iter().filter_map(|d| {
                 let near = best.0 + d * step;
-                if !self.is_sharper(&near, least + NEAR_HOME) {
-                    let to = self.work.home_of(self.place, &near);
-                    places.push((self.sharpest(&to), to));
-                }
-            }
-            // Best shape first: few places have to be held against the supports.
-            places.retain(|p| p.0 < least);
+                (!self.is_sharper(&near, least)).then(|| (self.sharpest(&near), near))
+            }));
+            // Best shape first: few places have to be projected and held against the supports.
             places.sort_by(|p, q| p.0.total_cmp(&q.0));
-            let mut legal = places.iter().filter_map(|(cosine, to)| Some((*to, self.plan_shaped(to, *cosine, excess)?)));
-            match legal.find(|p| p.1.is_legal()) {
-                Some(next) => best = next,
+            let mut legal = places.iter().filter_map(|(_, near)| {
+                let to = self.work.home_of(self.place, near);
+                let cosine = self.sharpest(&to);
+                let effect = if cosine < least { self.plan_shaped(&to, cosine, excess) } else { None };
+                effect.filter(Effect::is_legal).map(|e| (to, e))
+            });
+            match legal.next() {
+                Some(next) => {
+                    best = next;
+                    promising = self.promising(&directions, shortest, &best);
+                }
                 None => step *= 0.5,
             }
         }
