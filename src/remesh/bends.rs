@@ -21,10 +21,16 @@ use std::cmp::Reverse;
 
 /// Sine of the angle between planes below which TetGen might merge facets: 0.12 degrees.
 const MERGED_SINE: f64 = 2.1e-3;
-/// Sines below which facets are brought into one plane where that costs no shape (2.6 and 8.6 degrees), the easy ones first; not on
-/// fitted surfaces, where most bends are as weak. The more, the fewer edges TetGen has to keep: with 0.03 at most, three_cylinders wholly
-/// remeshed needs a quarter more tetrahedra.
-const NEAR_SINES: [f64; 2] = [0.045, 0.15];
+/// Sine below which facets are brought into one plane where that costs no shape (12.7 degrees, almost the bend of 24 chords per
+/// circle); not on fitted surfaces, where most bends are as weak. The more, the fewer edges TetGen has to keep: with 0.15,
+/// transformer3 wholly remeshed needs 2 % more tetrahedra.
+const NEAR_SINE: f64 = 0.22;
+/// Harm of a bend that TetGen might merge, and of one that a wide angle faces, where others count 1: an edge that an obtuse angle
+/// faces is encroached upon by its corner, and TetGen splits it and all around. (With all alike, a tenth more tetrahedra.)
+const MERGED_HARM: usize = 100;
+const WIDE_HARM: usize = 4;
+/// Degrees from which an angle is wide: what is near 90 gets there by the moves of its neighbours.
+const WIDE: f64 = 84.0;
 /// Facets are in one plane if no corner is farther off than this fraction of the size.
 const COPLANAR: f64 = 1e-13;
 /// Smallest angle, in degrees, that bringing facets into one plane may leave.
@@ -38,32 +44,33 @@ const SLIDES: [f64; 6] = [0.005, 0.01, 0.02, 0.04, 0.08, 0.16];
 const GAP_SHARE: f64 = 0.25;
 /// Newton steps to a plane along a curve; they start at a hundredth of the distance.
 const FOOT_STEPS: usize = 4;
-/// How often: first all edges are looked at, then those around a move, which may bring another edge into trouble.
-const PASSES: usize = 2;
+/// How often: first all edges are looked at, then those around a move, which may bring another edge into trouble. Each move lessens
+/// the harm, so it ends before.
+const PASSES: usize = 8;
 
-/// Which edges are looked at, and what may be done.
+/// What may be done about a bend.
 #[derive(Clone, Copy)]
 struct Aim {
-    /// Sine of the largest angle of a bend that is too weak.
-    sine: f64,
     /// Distance off a plane that counts as none.
     flat: f64,
     /// Whether all has to be done that is legal, else only what costs no shape.
     is_forced: bool,
 }
 
-/// The worth of a move, smallest best: bends mended, angles.
+/// The worth of a move, smallest best: harm done away with, angles.
 type Rank = (Reverse<usize>, f64);
 
 impl Workpiece {
     /// Moves vertices until no two neighbouring facets are almost, but not quite, in one plane, as far as that is legal.
     pub fn clear_bends(&mut self, limits: &Limits) {
         let flat = COPLANAR * self.extent();
-        for (sine, is_forced) in NEAR_SINES.map(|s| (s, false)).into_iter().chain([(MERGED_SINE, true)]) {
-            let aim = Aim { sine, flat, is_forced };
+        for is_forced in [false, true] {
+            let aim = Aim { flat, is_forced };
+            let least = if is_forced { MERGED_HARM } else { 1 };
             let mut edges = self.active_edges();
             for _ in 0..PASSES {
-                edges.retain(|&e| self.is_weak(e, aim));
+                edges.retain(|&e| self.harm(e, flat) >= least);
+                edges.sort_by(|&a, &b| self.widest_opposite(a).total_cmp(&self.widest_opposite(b)).then(a.cmp(&b)));
                 let moved: Vec<VertexId> = edges.into_iter().filter_map(|e| self.clear_bend(e, aim, limits)).collect();
                 edges = moved.into_iter().flat_map(|v| self.edges_of_star(v)).collect();
                 edges.sort_unstable();
@@ -113,30 +120,45 @@ impl Workpiece {
         self.brep.vertices.iter().fold(size, |m, v| m.max(v.point.amax()))
     }
 
-    /// Whether the facets at an edge are almost, but not quite, in one plane.
-    fn is_weak(&self, edge: EdgeId, aim: Aim) -> bool {
+    /// How bad it is for TetGen that facets at an edge are almost, but not quite, in one plane; 0 if they are in one, or far from it.
+    fn harm(&self, edge: EdgeId, flat: f64) -> usize {
         let mut facets = self.brep.topology.facets_around(edge);
-        let (Some(f), Some(g), None) = (facets.next(), facets.next(), facets.next()) else { return false };
+        let (Some(f), Some(g), None) = (facets.next(), facets.next(), facets.next()) else { return 0 };
         if self.brep.facets[f].marker != self.brep.facets[g].marker {
-            return false;
+            return 0;
         }
         let (m, n) = (self.normal(f), self.normal(g));
-        if m.cross(&n).norm_squared() > aim.sine * aim.sine {
-            return false;
-        }
-        if !aim.is_forced && self.support(f).is_some_and(Support::is_fitted) {
-            return false;
+        let square = m.cross(&n).norm_squared();
+        if square > NEAR_SINE * NEAR_SINE {
+            return 0;
         }
         let start = self.point(self.brep.topology.ends(edge)[0]);
         let is_off = |facet: FacetId, normal: &Vec3| {
             let mut corners = self.brep.topology.fins_of_facet(facet).map(|fin| self.brep.topology.fin_ends(fin)[0]);
-            corners.any(|v| normal.dot(&(self.point(v) - start)).abs() > aim.flat)
+            corners.any(|v| normal.dot(&(self.point(v) - start)).abs() > flat)
         };
-        is_off(f, &n) || is_off(g, &m)
+        if !is_off(f, &n) && !is_off(g, &m) {
+            return 0;
+        }
+        match self.support(f) {
+            _ if square <= MERGED_SINE * MERGED_SINE => MERGED_HARM,
+            Some(support) if support.is_fitted() => 0,
+            _ if self.widest_opposite(edge) < cosine_of_degrees(WIDE) => WIDE_HARM,
+            _ => 1,
+        }
     }
 
-    fn count_weak(&self, edges: &[EdgeId], aim: Aim) -> usize {
-        edges.iter().filter(|&&e| self.is_weak(e, aim)).count()
+    fn harm_of(&self, edges: &[EdgeId], flat: f64) -> usize {
+        edges.iter().map(|&e| self.harm(e, flat)).sum()
+    }
+
+    /// Cosine of the widest angle of a triangle at an edge that is opposite to it.
+    fn widest_opposite(&self, edge: EdgeId) -> f64 {
+        let ends = self.brep.topology.ends(edge);
+        let triangles = self.brep.topology.facets_around(edge).filter_map(|f| self.corners(f));
+        let apexes = triangles.flatten().filter(|v| !ends.contains(v)).map(|v| self.point(v));
+        let [a, b] = ends.map(|v| self.point(v));
+        apexes.map(|p| (a - p).dot(&(b - p)) / ((a - p).norm() * (b - p).norm())).fold(1.0, f64::min)
     }
 
     /// The edges of the treated facets at a vertex.
@@ -160,9 +182,9 @@ impl Workpiece {
         self.area(facet).try_normalize(0.0).unwrap_or_else(Vec3::zeros)
     }
 
-    /// Makes the best move of a vertex of the facets at a weak edge, and says of which.
+    /// Makes the best move of a vertex of the facets at a bend that is too weak, and says of which.
     fn clear_bend(&mut self, edge: EdgeId, aim: Aim, limits: &Limits) -> Option<VertexId> {
-        if !self.is_weak(edge, aim) {
+        if self.harm(edge, aim.flat) == 0 {
             return None;
         }
         let facets = self.brep.topology.facets_around(edge);
@@ -190,15 +212,15 @@ impl Workpiece {
         let mut best: Option<(Rank, VertexId, Vec3)> = None;
         for &vertex in vertices {
             let mut places = places(self, vertex, edge);
-            places.retain(|to| self.with_vertex_at(vertex, to, |me| !me.is_weak(edge, aim)));
+            places.retain(|to| self.with_vertex_at(vertex, to, |me| me.harm(edge, aim.flat) == 0));
             if places.is_empty() {
                 continue;
             }
             let edges = self.edges_of_star(vertex);
-            let weak = self.count_weak(&edges, aim);
+            let harm = self.harm_of(&edges, aim.flat);
             // What a place mends first: it costs a fraction of a look at the supports.
             let mended =
-                |to: Vec3| (weak.saturating_sub(self.with_vertex_at(vertex, &to, |me| me.count_weak(&edges, aim))), to);
+                |to: Vec3| (harm.saturating_sub(self.with_vertex_at(vertex, &to, |me| me.harm_of(&edges, aim.flat))), to);
             let mut places: Vec<(usize, Vec3)> = places.into_iter().map(mended).filter(|p| p.0 > 0).collect();
             self.keep_within_reach(vertex, &mut places, limits);
             if places.is_empty() {
