@@ -47,9 +47,9 @@ const THIN_BELOW: f64 = 1.1;
 const THIN_LONGEST: f64 = 1.5;
 const THIN_ROUNDS: usize = 3;
 
-/// Weight of obtuse angles in polishing: TetGen cuts edges that see an obtuse angle. A last polish without it raises the least angles
-/// by a degree, and costs a tenth more tetrahedra.
-const OBTUSE: f64 = 0.25;
+/// Weights of obtuse angles in polishing, at first and in the end: TetGen cuts edges that see an obtuse angle. Without them in the end,
+/// the least angles are a degree larger, and a tenth more tetrahedra are needed.
+const OBTUSE: [f64; 2] = [0.5, 0.25];
 
 /// Operations per edge at most in one pass: passes end long before, this bounds them on any input.
 const BUDGET_PER_EDGE: usize = 20;
@@ -94,7 +94,7 @@ impl Workpiece {
                 self.smooth();
             }
         }
-        self.weigh_obtuse(OBTUSE);
+        self.weigh_obtuse(OBTUSE[0]);
         self.polish();
         for _ in 0..THIN_ROUNDS {
             self.thin_out();
@@ -104,6 +104,8 @@ impl Workpiece {
             }
             self.polish();
         }
+        self.weigh_obtuse(OBTUSE[1]);
+        self.polish();
         true
     }
 
