@@ -29,8 +29,8 @@ const NEAR_SINE: f64 = 0.22;
 /// faces is encroached upon by its corner, and TetGen splits it and all around. (With all alike, a tenth more tetrahedra.)
 const MERGED_HARM: usize = 100;
 const WIDE_HARM: usize = 4;
-/// Degrees from which an angle is wide: what is near 90 gets there by the moves of its neighbours.
-const WIDE: f64 = 84.0;
+/// Cosine of the angle from which one is wide, 84 degrees: what is near 90 gets there by the moves of its neighbours.
+const WIDE_COSINE: f64 = 0.1045;
 /// Facets are in one plane if no corner is farther off than this fraction of the size.
 const COPLANAR: f64 = 1e-13;
 /// Smallest angle, in degrees, that bringing facets into one plane may leave.
@@ -143,7 +143,7 @@ impl Workpiece {
         match self.support(f) {
             _ if square <= MERGED_SINE * MERGED_SINE => MERGED_HARM,
             Some(support) if support.is_fitted() => 0,
-            _ if self.widest_opposite(edge) < cosine_of_degrees(WIDE) => WIDE_HARM,
+            _ if self.widest_opposite(edge) < WIDE_COSINE => WIDE_HARM,
             _ => 1,
         }
     }
