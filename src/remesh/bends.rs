@@ -48,35 +48,42 @@ const FOOT_STEPS: usize = 4;
 /// the harm, so it ends before.
 const PASSES: usize = 8;
 
-/// What may be done about a bend.
-#[derive(Clone, Copy)]
-struct Aim {
+/// The worth of a move, smallest best: harm done away with, angles.
+type Rank = (Reverse<usize>, f64);
+
+/// The bends of a workpiece.
+struct Bends<'a> {
+    work: &'a mut Workpiece,
+    limits: &'a Limits,
+    /// Unit normals of all facets as they are.
+    normals: Vec<Vec3>,
     /// Distance off a plane that counts as none.
     flat: f64,
     /// Whether all has to be done that is legal, else only what costs no shape.
     is_forced: bool,
 }
 
-/// The worth of a move, smallest best: harm done away with, angles.
-type Rank = (Reverse<usize>, f64);
+/// A vertex elsewhere for once.
+struct Trial {
+    vertex: VertexId,
+    to: Vec3,
+    /// What the normals of the facets there would be.
+    normals: Vec<(FacetId, Vec3)>,
+}
 
 impl Workpiece {
     /// Moves vertices until no two neighbouring facets are almost, but not quite, in one plane, as far as that is legal.
     pub fn clear_bends(&mut self, limits: &Limits) {
         let flat = COPLANAR * self.extent();
-        for is_forced in [false, true] {
-            let aim = Aim { flat, is_forced };
-            let least = if is_forced { MERGED_HARM } else { 1 };
-            let mut edges = self.active_edges();
-            for _ in 0..PASSES {
-                edges.retain(|&e| self.harm(e, flat) >= least);
-                edges.sort_by(|&a, &b| self.widest_opposite(a).total_cmp(&self.widest_opposite(b)).then(a.cmp(&b)));
-                let moved: Vec<VertexId> = edges.into_iter().filter_map(|e| self.clear_bend(e, aim, limits)).collect();
-                edges = moved.into_iter().flat_map(|v| self.edges_of_star(v)).collect();
-                edges.sort_unstable();
-                edges.dedup();
-            }
+        let topology = &self.brep.topology;
+        let mut normals = vec![Vec3::zeros(); topology.bounds()[2]];
+        for facet in topology.facets() {
+            normals[facet.index()] = self.normal(facet);
         }
+        let mut bends = Bends { work: self, limits, normals, flat, is_forced: false };
+        bends.clear(1);
+        bends.is_forced = true;
+        bends.clear(MERGED_HARM);
     }
 
     /// Makes polygons of neighbouring facets in one plane, but none with a corner that is straight but for rounding: TetGen 1.5
@@ -120,44 +127,17 @@ impl Workpiece {
         self.brep.vertices.iter().fold(size, |m, v| m.max(v.point.amax()))
     }
 
-    /// How bad it is for TetGen that facets at an edge are almost, but not quite, in one plane; 0 if they are in one, or far from it.
-    fn harm(&self, edge: EdgeId, flat: f64) -> usize {
-        let mut facets = self.brep.topology.facets_around(edge);
-        let (Some(f), Some(g), None) = (facets.next(), facets.next(), facets.next()) else { return 0 };
-        if self.brep.facets[f].marker != self.brep.facets[g].marker {
-            return 0;
-        }
-        let (m, n) = (self.normal(f), self.normal(g));
-        let square = m.cross(&n).norm_squared();
-        if square > NEAR_SINE * NEAR_SINE {
-            return 0;
-        }
-        let start = self.point(self.brep.topology.ends(edge)[0]);
-        let is_off = |facet: FacetId, normal: &Vec3| {
-            let mut corners = self.brep.topology.fins_of_facet(facet).map(|fin| self.brep.topology.fin_ends(fin)[0]);
-            corners.any(|v| normal.dot(&(self.point(v) - start)).abs() > flat)
-        };
-        if !is_off(f, &n) && !is_off(g, &m) {
-            return 0;
-        }
-        match self.support(f) {
-            _ if square <= MERGED_SINE * MERGED_SINE => MERGED_HARM,
-            Some(support) if support.is_fitted() => 0,
-            _ if self.widest_opposite(edge) < WIDE_COSINE => WIDE_HARM,
-            _ => 1,
-        }
-    }
-
-    fn harm_of(&self, edges: &[EdgeId], flat: f64) -> usize {
-        edges.iter().map(|&e| self.harm(e, flat)).sum()
-    }
-
     /// Cosine of the widest angle of a triangle at an edge that is opposite to it.
     fn widest_opposite(&self, edge: EdgeId) -> f64 {
+        self.widest_opposite_with(edge, |v| self.point(v))
+    }
+
+    /// The same with the vertices at other places.
+    fn widest_opposite_with(&self, edge: EdgeId, point: impl Fn(VertexId) -> Vec3) -> f64 {
         let ends = self.brep.topology.ends(edge);
         let triangles = self.brep.topology.facets_around(edge).filter_map(|f| self.corners(f));
-        let apexes = triangles.flatten().filter(|v| !ends.contains(v)).map(|v| self.point(v));
-        let [a, b] = ends.map(|v| self.point(v));
+        let apexes = triangles.flatten().filter(|v| !ends.contains(v)).map(&point);
+        let [a, b] = ends.map(&point);
         apexes.map(|p| (a - p).dot(&(b - p)) / ((a - p).norm() * (b - p).norm())).fold(1.0, f64::min)
     }
 
@@ -182,85 +162,6 @@ impl Workpiece {
         self.area(facet).try_normalize(0.0).unwrap_or_else(Vec3::zeros)
     }
 
-    /// Makes the best move of a vertex of the facets at a bend that is too weak, and says of which.
-    fn clear_bend(&mut self, edge: EdgeId, aim: Aim, limits: &Limits) -> Option<VertexId> {
-        if self.harm(edge, aim.flat) == 0 {
-            return None;
-        }
-        let facets = self.brep.topology.facets_around(edge);
-        let mut vertices: Vec<VertexId> = facets.filter_map(|f| self.corners(f)).flatten().collect();
-        vertices.sort_unstable();
-        vertices.dedup();
-        let mut best = self.best_move(edge, &vertices, Self::feet, aim, limits);
-        for step in SLIDES.iter().filter(|_| aim.is_forced) {
-            best = best.or_else(|| self.best_move(edge, &vertices, |me, v, _| me.slides(v, *step), aim, limits));
-        }
-        let (vertex, to) = best?;
-        self.relocate(vertex, to);
-        Some(vertex)
-    }
-
-    /// The best of the places that some vertices may go to, and by which they mend an edge.
-    fn best_move(
-        &mut self,
-        edge: EdgeId,
-        vertices: &[VertexId],
-        places: impl Fn(&Self, VertexId, EdgeId) -> Vec<Vec3>,
-        aim: Aim,
-        limits: &Limits,
-    ) -> Option<(VertexId, Vec3)> {
-        let mut best: Option<(Rank, VertexId, Vec3)> = None;
-        for &vertex in vertices {
-            let mut places = places(self, vertex, edge);
-            places.retain(|to| self.with_vertex_at(vertex, to, |me| me.harm(edge, aim.flat) == 0));
-            if places.is_empty() {
-                continue;
-            }
-            let edges = self.edges_of_star(vertex);
-            let harm = self.harm_of(&edges, aim.flat);
-            // What a place mends first: it costs a fraction of a look at the supports.
-            let mended =
-                |to: Vec3| (harm.saturating_sub(self.with_vertex_at(vertex, &to, |me| me.harm_of(&edges, aim.flat))), to);
-            let mut places: Vec<(usize, Vec3)> = places.into_iter().map(mended).filter(|p| p.0 > 0).collect();
-            self.keep_within_reach(vertex, &mut places, limits);
-            if places.is_empty() {
-                continue;
-            }
-            let ring = self.ring(vertex);
-            for (mended, to) in places {
-                if best.as_ref().is_some_and(|((most, _), ..)| Reverse(mended) > *most) {
-                    continue;
-                }
-                let Some(after) = self.bent(vertex, &ring, &to, aim) else { continue };
-                let rank = (Reverse(mended), after.cosine);
-                if best.as_ref().is_none_or(|b| rank < b.0) {
-                    best = Some((rank, vertex, to));
-                }
-            }
-        }
-        best.map(|(_, vertex, to)| (vertex, to))
-    }
-
-    /// What is found with a vertex elsewhere for once.
-    fn with_vertex_at<T>(&mut self, vertex: VertexId, to: &Vec3, find: impl Fn(&Self) -> T) -> T {
-        let from = std::mem::replace(&mut self.brep.vertices[vertex].point, *to);
-        let found = find(self);
-        self.brep.vertices[vertex].point = from;
-        found
-    }
-
-    /// Drops the places where a vertex deviates by more than its triangles may, or does not keep clear of what is across a gap.
-    fn keep_within_reach(&self, vertex: VertexId, places: &mut Vec<(usize, Vec3)>, limits: &Limits) {
-        let Place::Surface(surface) = self.place(vertex) else { return };
-        let Some(support) = self.supports[surface].as_deref() else { return };
-        let star = self.star(vertex);
-        let Some(&facet) = star.first().filter(|_| !places.is_empty()) else { return };
-        let allowed = self.allowed(self.worst(&star));
-        places.retain(|(_, to)| {
-            self.is_allowed_at(support, facet, to, allowed) && limits.is_clear(to, support.distance(to) / GAP_SHARE, surface)
-        });
-    }
-
     /// Multiple of the bound within which triangles stay that were like this.
     fn allowed(&self, before: Measure) -> f64 {
         before.excess.max(1.0) * self.bound.slack()
@@ -273,9 +174,9 @@ impl Workpiece {
     }
 
     /// What the triangles around a vertex become if it moves there; `None` if that is not allowed.
-    fn bent(&self, vertex: VertexId, ring: &Ring, to: &Vec3, aim: Aim) -> Option<Measure> {
+    fn bent(&self, vertex: VertexId, ring: &Ring, to: &Vec3, is_forced: bool) -> Option<Measure> {
         let before = ring.before;
-        let floor = if aim.is_forced { 1.0 } else { before.cosine.max(cosine_of_degrees(FLAT_KEEPS)) };
+        let floor = if is_forced { 1.0 } else { before.cosine.max(cosine_of_degrees(FLAT_KEEPS)) };
         let allowed = self.allowed(before);
         let Effect { after, .. } = ring.plan(to, floor, allowed)?;
         let is_near = ring.facets().all(|f| self.is_sampled_within(f, vertex, to, allowed));
@@ -290,18 +191,6 @@ impl Workpiece {
             (0..=SAMPLES).flat_map(|i| (0..=SAMPLES - i).map(move |j| [i, j].map(|k| f64::from(k) / f64::from(SAMPLES))));
         let mut points = grid.map(|[s, t]| a * s + b * t + c * (1.0 - s - t));
         points.all(|p| self.is_allowed_at(support, facet, &p, allowed))
-    }
-
-    /// Places of a vertex in the planes of those facets at an edge that it is not a corner of: the feet, or, on a curve, where the
-    /// curve passes through.
-    fn feet(&self, vertex: VertexId, edge: EdgeId) -> Vec<Vec3> {
-        let [start, end] = self.brep.topology.ends(edge);
-        if vertex == start || vertex == end {
-            return Vec::new();
-        }
-        let others = self.brep.topology.facets_around(edge).filter(|&f| self.corners(f).is_none_or(|t| !t.contains(&vertex)));
-        let origin = self.point(start);
-        others.filter_map(|f| self.foot_in_plane(vertex, &origin, &self.normal(f))).collect()
     }
 
     fn foot_in_plane(&self, vertex: VertexId, origin: &Vec3, normal: &Vec3) -> Option<Vec3> {
@@ -327,5 +216,145 @@ impl Workpiece {
         let shortest = self.brep.topology.neighbours(vertex).map(|n| (self.point(n) - here).norm());
         let shortest = shortest.fold(f64::INFINITY, f64::min);
         directions.iter().map(|d| self.home(vertex, &(here + d * (step * shortest)))).collect()
+    }
+}
+
+impl Bends<'_> {
+    /// Mends bends of at least some harm, those that the widest angles face first.
+    fn clear(&mut self, least: usize) {
+        let mut edges = self.work.active_edges();
+        for _ in 0..PASSES {
+            edges.retain(|&e| self.harm(e, None) >= least);
+            let mut order: Vec<(f64, EdgeId)> = edges.into_iter().map(|e| (self.work.widest_opposite(e), e)).collect();
+            order.sort_by(|p, q| p.0.total_cmp(&q.0).then(p.1.cmp(&q.1)));
+            let moved: Vec<VertexId> = order.into_iter().filter_map(|(_, e)| self.clear_bend(e)).collect();
+            edges = moved.into_iter().flat_map(|v| self.work.edges_of_star(v)).collect();
+            edges.sort_unstable();
+            edges.dedup();
+        }
+    }
+
+    /// How bad it is for TetGen that facets at an edge are almost, but not quite, in one plane; 0 if they are in one, or far from it.
+    fn harm(&self, edge: EdgeId, trial: Option<&Trial>) -> usize {
+        let topology = &self.work.brep.topology;
+        let mut facets = topology.facets_around(edge);
+        let (Some(f), Some(g), None) = (facets.next(), facets.next(), facets.next()) else { return 0 };
+        let (m, n) = (self.normal(f, trial), self.normal(g, trial));
+        let square = m.cross(&n).norm_squared();
+        if square > NEAR_SINE * NEAR_SINE || self.work.brep.facets[f].marker != self.work.brep.facets[g].marker {
+            return 0;
+        }
+        let point = |v: VertexId| trial.filter(|t| t.vertex == v).map_or_else(|| self.work.point(v), |t| t.to);
+        let ends = topology.ends(edge);
+        let start = point(ends[0]);
+        let is_off = |facet: FacetId, normal: &Vec3| {
+            let mut corners = topology.fins_of_facet(facet).map(|fin| topology.fin_ends(fin)[0]);
+            corners.any(|v| normal.dot(&(point(v) - start)).abs() > self.flat)
+        };
+        if !is_off(f, &n) && !is_off(g, &m) {
+            return 0;
+        }
+        match self.work.support(f) {
+            _ if square <= MERGED_SINE * MERGED_SINE => MERGED_HARM,
+            Some(support) if support.is_fitted() => 0,
+            _ if self.work.widest_opposite_with(edge, point) < WIDE_COSINE => WIDE_HARM,
+            _ => 1,
+        }
+    }
+
+    fn normal(&self, facet: FacetId, trial: Option<&Trial>) -> Vec3 {
+        let tried = trial.and_then(|t| t.normals.iter().find(|n| n.0 == facet));
+        tried.map_or(self.normals[facet.index()], |n| n.1)
+    }
+
+    /// A vertex at another place. The planes of polygons stay.
+    fn trial(&self, vertex: VertexId, to: Vec3) -> Trial {
+        let triangles = self.work.brep.topology.facets_at(vertex).filter_map(|f| Some((f, self.work.corners(f)?)));
+        let normals = triangles.map(|(facet, corners)| {
+            let [a, b, c] = corners.map(|v| if v == vertex { to } else { self.work.point(v) });
+            (facet, (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_else(Vec3::zeros))
+        });
+        Trial { vertex, to, normals: normals.collect() }
+    }
+
+    /// Makes the best move of a vertex of the facets at a bend that is too weak, and says of which.
+    fn clear_bend(&mut self, edge: EdgeId) -> Option<VertexId> {
+        if self.harm(edge, None) == 0 {
+            return None;
+        }
+        let facets = self.work.brep.topology.facets_around(edge);
+        let mut vertices: Vec<VertexId> = facets.filter_map(|f| self.work.corners(f)).flatten().collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        let mut best = self.best_move(edge, &vertices, |v| self.feet(v, edge));
+        for step in SLIDES.iter().filter(|_| self.is_forced) {
+            best = best.or_else(|| self.best_move(edge, &vertices, |v| self.work.slides(v, *step)));
+        }
+        let trial = best?;
+        self.work.relocate(trial.vertex, trial.to);
+        for (facet, normal) in trial.normals {
+            self.normals[facet.index()] = normal;
+        }
+        Some(trial.vertex)
+    }
+
+    /// The best of the places that some vertices may go to, and by which they mend an edge.
+    fn best_move(&self, edge: EdgeId, vertices: &[VertexId], places: impl Fn(VertexId) -> Vec<Vec3>) -> Option<Trial> {
+        let mut best: Option<(Rank, Trial)> = None;
+        for &vertex in vertices {
+            let trials = places(vertex).into_iter().map(|to| self.trial(vertex, to));
+            let trials: Vec<Trial> = trials.filter(|t| self.harm(edge, Some(t)) == 0).collect();
+            if trials.is_empty() {
+                continue;
+            }
+            // What a place mends first: it costs a fraction of a look at the supports.
+            let edges = self.work.edges_of_star(vertex);
+            let harm = |trial: Option<&Trial>| -> usize { edges.iter().map(|&e| self.harm(e, trial)).sum() };
+            let before = harm(None);
+            let mended = trials.into_iter().map(|t| (before.saturating_sub(harm(Some(&t))), t));
+            let mut trials: Vec<(usize, Trial)> = mended.filter(|p| p.0 > 0).collect();
+            self.keep_within_reach(vertex, &mut trials);
+            if trials.is_empty() {
+                continue;
+            }
+            let ring = self.work.ring(vertex);
+            for (mended, trial) in trials {
+                if best.as_ref().is_some_and(|((most, _), _)| Reverse(mended) > *most) {
+                    continue;
+                }
+                let Some(after) = self.work.bent(vertex, &ring, &trial.to, self.is_forced) else { continue };
+                let rank = (Reverse(mended), after.cosine);
+                if best.as_ref().is_none_or(|b| rank < b.0) {
+                    best = Some((rank, trial));
+                }
+            }
+        }
+        best.map(|b| b.1)
+    }
+
+    /// Drops the places where a vertex deviates by more than its triangles may, or does not keep clear of what is across a gap.
+    fn keep_within_reach(&self, vertex: VertexId, trials: &mut Vec<(usize, Trial)>) {
+        let Place::Surface(surface) = self.work.place(vertex) else { return };
+        let Some(support) = self.work.supports[surface].as_deref() else { return };
+        let star = self.work.star(vertex);
+        let Some(&facet) = star.first().filter(|_| !trials.is_empty()) else { return };
+        let allowed = self.work.allowed(self.work.worst(&star));
+        trials.retain(|(_, Trial { to, .. })| {
+            self.work.is_allowed_at(support, facet, to, allowed)
+                && self.limits.is_clear(to, support.distance(to) / GAP_SHARE, surface)
+        });
+    }
+
+    /// Places of a vertex in the planes of those facets at an edge that it is not a corner of: the feet, or, on a curve, where the
+    /// curve passes through.
+    fn feet(&self, vertex: VertexId, edge: EdgeId) -> Vec<Vec3> {
+        let [start, end] = self.work.brep.topology.ends(edge);
+        if vertex == start || vertex == end {
+            return Vec::new();
+        }
+        let facets = self.work.brep.topology.facets_around(edge);
+        let others = facets.filter(|&f| self.work.corners(f).is_none_or(|t| !t.contains(&vertex)));
+        let origin = self.work.point(start);
+        others.filter_map(|f| self.work.foot_in_plane(vertex, &origin, &self.normals[f.index()])).collect()
     }
 }
