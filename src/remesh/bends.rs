@@ -29,6 +29,8 @@ const NEAR_SINE: f64 = 0.22;
 /// faces is encroached upon by its corner, and TetGen splits it and all around. (With all alike, a tenth more tetrahedra.)
 const MERGED_HARM: usize = 100;
 const WIDE_HARM: usize = 4;
+/// Cosine of the angle, 45 degrees, that must face an edge for it to be tried: others are short, and cost half the time of this step.
+const FACED_COSINE: f64 = 0.7;
 /// Cosine of the angle from which one is wide, 84 degrees: what is near 90 gets there by the moves of its neighbours.
 const WIDE_COSINE: f64 = 0.1045;
 /// Facets are in one plane if no corner is farther off than this fraction of the size.
@@ -226,6 +228,7 @@ impl Bends<'_> {
         for _ in 0..PASSES {
             edges.retain(|&e| self.harm(e, None) >= least);
             let mut order: Vec<(f64, EdgeId)> = edges.into_iter().map(|e| (self.work.widest_opposite(e), e)).collect();
+            order.retain(|o| self.is_forced || o.0 < FACED_COSINE);
             order.sort_by(|p, q| p.0.total_cmp(&q.0).then(p.1.cmp(&q.1)));
             let moved: Vec<VertexId> = order.into_iter().filter_map(|(_, e)| self.clear_bend(e)).collect();
             edges = moved.into_iter().flat_map(|v| self.work.edges_of_star(v)).collect();
