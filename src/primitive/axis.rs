@@ -51,14 +51,13 @@ pub(crate) fn divide(requests: &[CircleRequest], tolerance: f64) -> Vec<Circle> 
     let size = bounds.diagonal();
     let groups = find_groups(requests, tolerance, size, bounds.center());
     let mut circles: Vec<Option<Circle>> = requests.iter().map(|_| None).collect();
+    let mut number = 0;
     for group in &groups {
         let shares = group.members.iter().filter(|m| has_ends(&requests[m.request])).count() * 2 <= MAX_SHARED;
-        if shares {
-            divide_group(group, &group.members, requests, tolerance * size, &mut circles);
-        } else {
-            for member in &group.members {
-                divide_group(group, std::slice::from_ref(member), requests, tolerance * size, &mut circles);
-            }
+        let parts = group.members.chunks(if shares { group.members.len() } else { 1 });
+        for members in parts {
+            divide_group(&group.axis, number, members, requests, tolerance * size, &mut circles);
+            number += 1;
         }
     }
     circles.into_iter().flatten().collect()
@@ -139,7 +138,14 @@ fn find_near(known: &Degrees, degrees: f64, reach: f64) -> Option<f64> {
     nearest.filter(|d| distance(*d) <= reach)
 }
 
-fn divide_group(group: &Group, members: &[Member], requests: &[CircleRequest], tolerance: f64, circles: &mut [Option<Circle>]) {
+fn divide_group(
+    axis: &Axis,
+    group: usize,
+    members: &[Member],
+    requests: &[CircleRequest],
+    tolerance: f64,
+    circles: &mut [Option<Circle>],
+) {
     let of = |m: &Member| &requests[m.request];
     let radius = members.iter().map(|m| of(m).radius * of(m).place.axes[0].norm()).fold(0.0, f64::max);
     let segments = members.iter().map(|m| of(m).segments).max().unwrap_or(3);
@@ -162,11 +168,17 @@ fn divide_group(group: &Group, members: &[Member], requests: &[CircleRequest], t
         } else {
             walk(&all, from, Some(to), member.sense)
         };
-        circles[member.request] = Some(place_circle(&group.axis, member, request, breakpoints, segments));
+        circles[member.request] = Some(place_circle((axis, group), member, request, breakpoints, segments));
     }
 }
 
-fn place_circle(axis: &Axis, member: &Member, request: &CircleRequest, breakpoints: Vec<Breakpoint>, segments: u32) -> Circle {
+fn place_circle(
+    (axis, group): (&Axis, usize),
+    member: &Member,
+    request: &CircleRequest,
+    breakpoints: Vec<Breakpoint>,
+    segments: u32,
+) -> Circle {
     let scale = request.place.circle_scale();
     let own = request.place.point(request.center[0], request.center[1], 0.0);
     let z = request.place.axes[2].normalize();
@@ -175,6 +187,7 @@ fn place_circle(axis: &Axis, member: &Member, request: &CircleRequest, breakpoin
         place: request.place.clone(),
         center: request.center,
         axis: axis.clone(),
+        group,
         scale: scale.unwrap_or(1.0),
         is_own_axis: scale.is_none() || own == axis.origin && (z == axis.z || z == -axis.z),
         sense: member.sense,

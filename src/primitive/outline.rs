@@ -69,8 +69,8 @@ pub(crate) struct Outline {
 pub(crate) enum Rule<'a> {
     /// Arcs by the leaf's circles, which are taken in order from `next`.
     Shared { circles: &'a [Circle], next: usize },
-    /// Arcs on their own; no edge longer than `longest`; lines into rows of height `row` unless they are level.
-    Own { division: &'a Division, scale: f64, longest: f64, row: Option<f64> },
+    /// Arcs on their own; no edge longer than `longest`.
+    Own { division: &'a Division, scale: f64, longest: f64 },
 }
 
 /// Counter-clockwise range of an arc from `from` to `to`: first angle and sweep in degrees; 360 if the ends coincide.
@@ -116,7 +116,7 @@ impl Outline {
                     }
                     arc = Some(outline.push_arc(a, from, segment.end, rule)?);
                 }
-                None => outline.push_line(from, segment.end, rule)?,
+                None => {}
             }
             outline.runs.push(Run { first, count: outline.vertices.len() - first, arc, name });
             from = segment.end;
@@ -133,20 +133,6 @@ impl Outline {
         self.vertices.push(OutlineVertex { xy, on_circle: None, is_corner: false });
     }
 
-    fn push_line(&mut self, a: [f64; 2], b: [f64; 2], rule: &Rule) -> Result<(), Diagnostic> {
-        let Rule::Own { row: Some(row), .. } = rule else { return Ok(()) };
-        if a[1] == b[1] {
-            return Ok(());
-        }
-        let rows = super::panel::rows(distance(a, b), *row);
-        check_count(rows)?;
-        for k in 1..rows as u32 {
-            let t = f64::from(k) / rows;
-            self.push([a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t]);
-        }
-        Ok(())
-    }
-
     /// Pushes the inner vertices of an arc (all vertices of a full circle).
     fn push_arc(&mut self, arc: &Arc2, from: [f64; 2], to: [f64; 2], rule: &mut Rule) -> Result<RunArc, Diagnostic> {
         let radius = distance(arc.center, from);
@@ -161,10 +147,12 @@ impl Outline {
                 *next += 1;
                 points.extend(circle.breakpoints.iter().map(|b| (circle.start + b.along, Some(b.degrees))));
             }
-            Rule::Own { division, scale, longest, .. } => {
+            Rule::Own { division, scale, longest } => {
                 let segments = f64::from(division::segments(division, radius * *scale)?);
                 let parts = (sweep * segments / 360.0 * (1.0 - 1e-12)).ceil();
                 let parts = parts.max((sweep.to_radians() * radius / *longest * (1.0 - 1e-12)).ceil());
+                // An even number reads the same from its start either way round.
+                let parts = if is_full { 2.0 * (parts * 0.5).ceil() } else { parts };
                 check_count(parts)?;
                 let last = parts as u32 - u32::from(is_full);
                 points.extend((0..=last).map(|k| (start + sweep * f64::from(k) / parts, None)));

@@ -4,12 +4,12 @@ use super::angle;
 use super::circle::{Circle, CircleRequest};
 use super::division;
 use super::outline::{Outline, Rule};
-use super::panel::ROW_PER_CHORD;
 use super::place::Place;
 use super::profile;
 use super::sweep::{Piece, Station, Sweep, Turn};
 use crate::diag::Diagnostic;
 use crate::scene::model::{Arc2, Frame, Leaf, Path2, Profile, Segment2};
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 /// Profile points nearer to the axis than this fraction of the largest radius lie on it: rounding only.
@@ -79,8 +79,7 @@ impl Revolution<'_> {
         let radius = bounds(&self.profile.outer).1[0];
         let chord = TAU * radius / f64::from(circle.segments);
         let scale = place.axes[0].norm().max(place.axes[2].norm());
-        let row = self.leaf.is_triangulated.then_some(ROW_PER_CHORD * chord);
-        let mut rule = Rule::Own { division: &self.leaf.division, scale, longest: TALLEST * chord, row };
+        let mut rule = Rule::Own { division: &self.leaf.division, scale, longest: TALLEST * chord };
         let mut loops = profile::divide(&self.profile, &mut rule)?;
         for vertex in loops.iter_mut().flat_map(|l: &mut Outline| &mut l.vertices) {
             if vertex.xy[0] <= ON_AXIS * radius {
@@ -105,6 +104,7 @@ impl Revolution<'_> {
             has_axis: true,
             faces_forwards: false,
             is_triangulated: self.leaf.is_triangulated,
+            levels: BTreeMap::new(),
         })
     }
 }
