@@ -198,4 +198,6 @@ fn draft(leaf: &Leaf, divided: Divided) -> Result<Draft, Diagnostic> {
 }
 
 #[cfg(test)]
+mod levels_tests;
+#[cfg(test)]
 mod tests;

@@ -1,0 +1,87 @@
+use super::tests::*;
+use super::*;
+use crate::geom::{Affine, Vec3};
+use crate::scene::model::{Arc2, Path2, Primitive, Profile, Segment2};
+use std::collections::BTreeSet;
+use std::f64::consts::{PI, TAU};
+
+/// The triangles of a solid on a surface of revolution about z, by their corners, and what they reach from and to.
+fn triangles_on(solid: &Solid, radius: impl Fn(f64) -> f64) -> Vec<[[i64; 3]; 3]> {
+    let at = |v: u32| solid.vertices[v as usize].point;
+    let is_on = |p: Vec3| (p.x.hypot(p.y) - radius(p.z)).abs() < 1e-9;
+    let key = |v: u32| at(v).map(|c| (c * 1e6).round() as i64).into();
+    let of = |walk: &Vec<u32>| {
+        let mut corners: [[i64; 3]; 3] = [key(walk[0]), key(walk[1]), key(walk[2])];
+        corners.sort_unstable();
+        corners
+    };
+    let walks = solid.facets.iter().map(|f| &f.loops[0]).filter(|w| w.len() == 3 && w.iter().all(|&v| is_on(at(v))));
+    walks.map(of).collect()
+}
+
+/// Where all solids have a surface, they have the same triangles of it; gives their number.
+fn assert_alike(solids: &[Solid], radius: impl Fn(f64) -> f64 + Copy, is_common: impl Fn(f64, f64) -> bool) -> usize {
+    let inside = |corner: &[i64; 3]| {
+        let [x, y, z] = corner.map(|c| c as f64 * 1e-6);
+        is_common(libm::atan2(y, x).to_degrees().rem_euclid(360.0), z)
+    };
+    let sets: Vec<BTreeSet<_>> =
+        solids.iter().map(|s| triangles_on(s, radius).into_iter().filter(|t| t.iter().all(inside)).collect()).collect();
+    for (k, set) in sets.iter().enumerate() {
+        assert_eq!(set.symmetric_difference(&sets[0]).count(), 0, "solid {k}");
+    }
+    sets[0].len()
+}
+
+fn chain(points: &[[f64; 2]]) -> Profile {
+    plain(polygon(points))
+}
+
+/// The scene of leaves, of which only the first asks for triangles.
+fn solids(leaves: Vec<Leaf>) -> Vec<Solid> {
+    let mut scene = scene(leaves);
+    scene.leaves.iter_mut().take(1).for_each(|l| l.is_triangulated = true);
+    let solids = build(&scene).unwrap();
+    solids.iter().for_each(|s| {
+        check(s);
+    });
+    solids
+}
+
+#[test]
+fn cylinders_of_one_surface_have_the_same_triangles() {
+    // A shaft, a rotor about its middle upside down, a magnet on a part of it, and half a bush that was extruded.
+    let shaft = leaf(Primitive::Cone { frame: FRAME, bottom_radius: 15.0, top_radius: 15.0, height: 160.0 });
+    let turned = |lo: f64, hi: f64, start: f64, angle: f64| {
+        let profile = chain(&[[15., lo], [45., lo], [45., hi], [15., hi]]);
+        leaf(Primitive::Revolution { frame: FRAME, profile, start: start.to_radians(), angle: angle.to_radians() })
+    };
+    let mut rotor = turned(0.0, 100.0, 0.0, 360.0);
+    let half_turn = nalgebra::Rotation3::from_axis_angle(&Vec3::x_axis(), PI);
+    let lifted = nalgebra::Translation3::new(0.0, 0.0, 130.0) * half_turn;
+    rotor.transform = nalgebra::convert(lifted);
+    let arc = |to: [f64; 2], is_ccw| Segment2 { end: to, arc: Some(Arc2 { center: [0., 0.], is_ccw }), name: None };
+    let line = |to: [f64; 2]| Segment2 { end: to, arc: None, name: None };
+    let segments = vec![arc([-20., 0.], true), line([-15., 0.]), arc([15., 0.], false), line([20., 0.])];
+    let outer = Path2 { start: [20., 0.], segments, is_closed: true };
+    let mut bush = leaf(Primitive::Extrusion { frame: FRAME, profile: plain(outer), length: 80.0 });
+    bush.transform = Affine::from_matrix_unchecked(nalgebra::Matrix4::new_translation(&Vec3::new(0., 0., 20.)));
+    let solids = solids(vec![shaft, rotor, turned(40.0, 90.0, 20.0, 100.0), bush]);
+    // Between 40 and 90 they have two rows of 8 mm and more; from 20 to 120 degrees some 7 chords.
+    let count = assert_alike(&solids, |_| 15.0, |angle, z| (40.0..=90.0).contains(&z) && (19.9..=120.1).contains(&angle));
+    assert!(count > 100, "{count}");
+}
+
+#[test]
+fn cones_of_one_surface_have_the_same_triangles() {
+    let radius = |z: f64| 40.0 - 0.25 * z;
+    let plug = |lo: f64, hi: f64| chain(&[[0., lo], [radius(lo), lo], [radius(hi), hi], [0., hi]]);
+    let socket = |lo: f64, hi: f64| chain(&[[50., lo], [50., hi], [radius(hi), hi], [radius(lo), lo]]);
+    let turned = |profile, angle| leaf(Primitive::Revolution { frame: FRAME, profile, start: 0.0, angle });
+    let full = chain(&[[0., 0.], [40., 0.], [0., 160.]]);
+    let leaves =
+        vec![turned(plug(0., 100.), TAU), turned(socket(10., 70.), TAU), turned(socket(30., 90.), PI), turned(full, TAU)];
+    let solids = solids(leaves);
+    let count = assert_alike(&solids, radius, |angle, z| (30.0..=70.0).contains(&z) && angle <= 180.0);
+    assert!(count > 50, "{count}");
+}
