@@ -29,6 +29,8 @@ const MAX_SHARED: usize = 2000;
 const CELL: f64 = 1e-6;
 /// Angles nearer than this (degrees) are one even if the tolerance is finer: it is what conversions lose.
 const SAME_ANGLE: f64 = 1e-10;
+/// Axes of ellipses that agree to this fraction agree if the tolerance is finer: some rotations and scales of rounding.
+const SIMILAR: f64 = 1e-12;
 
 /// A request in its group.
 struct Member {
@@ -119,6 +121,7 @@ fn is_on_axis(request: &CircleRequest, direction: &Vec3, axis: &Axis, tolerance:
 /// Where a request's circles lie in an axis; `None` if they are no circles there (of ellipses: similar and parallel ones).
 fn place_in(axis: &Axis, number: usize, request: &CircleRequest, tolerance: f64) -> Option<Member> {
     let [x, y, _] = request.place.axes;
+    let tolerance = tolerance.max(SIMILAR);
     // Images of the local directions in the coordinates of the axis.
     let (xx, xy, yy) = (axis.x.norm_squared(), axis.x.dot(&axis.y), axis.y.norm_squared());
     let determinant = xx * yy - xy * xy;

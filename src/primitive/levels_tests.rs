@@ -5,10 +5,9 @@ use crate::scene::model::{Arc2, Path2, Primitive, Profile, Segment2};
 use std::collections::BTreeSet;
 use std::f64::consts::{PI, TAU};
 
-/// The triangles of a solid on a surface of revolution about z, by their corners, and what they reach from and to.
-fn triangles_on(solid: &Solid, radius: impl Fn(f64) -> f64) -> Vec<[[i64; 3]; 3]> {
+/// The triangles of a solid on a surface, by their corners.
+fn triangles_on(solid: &Solid, is_on: impl Fn(Vec3) -> bool) -> Vec<[[i64; 3]; 3]> {
     let at = |v: u32| solid.vertices[v as usize].point;
-    let is_on = |p: Vec3| (p.x.hypot(p.y) - radius(p.z)).abs() < 1e-9;
     let key = |v: u32| at(v).map(|c| (c * 1e6).round() as i64).into();
     let of = |walk: &Vec<u32>| {
         let mut corners: [[i64; 3]; 3] = [key(walk[0]), key(walk[1]), key(walk[2])];
@@ -20,17 +19,22 @@ fn triangles_on(solid: &Solid, radius: impl Fn(f64) -> f64) -> Vec<[[i64; 3]; 3]
 }
 
 /// Where all solids have a surface, they have the same triangles of it; gives their number.
-fn assert_alike(solids: &[Solid], radius: impl Fn(f64) -> f64 + Copy, is_common: impl Fn(f64, f64) -> bool) -> usize {
+fn assert_alike(solids: &[Solid], is_on: impl Fn(Vec3) -> bool + Copy, is_common: impl Fn(f64, f64) -> bool) -> usize {
     let inside = |corner: &[i64; 3]| {
         let [x, y, z] = corner.map(|c| c as f64 * 1e-6);
         is_common(libm::atan2(y, x).to_degrees().rem_euclid(360.0), z)
     };
     let sets: Vec<BTreeSet<_>> =
-        solids.iter().map(|s| triangles_on(s, radius).into_iter().filter(|t| t.iter().all(inside)).collect()).collect();
+        solids.iter().map(|s| triangles_on(s, is_on).into_iter().filter(|t| t.iter().all(inside)).collect()).collect();
     for (k, set) in sets.iter().enumerate() {
         assert_eq!(set.symmetric_difference(&sets[0]).count(), 0, "solid {k}");
     }
     sets[0].len()
+}
+
+/// Whether a place is so far from the z axis.
+fn is_at(p: Vec3, radius: f64) -> bool {
+    (p.x.hypot(p.y) - radius).abs() < 1e-9
 }
 
 fn chain(points: &[[f64; 2]]) -> Profile {
@@ -68,7 +72,8 @@ fn cylinders_of_one_surface_have_the_same_triangles() {
     bush.transform = Affine::from_matrix_unchecked(nalgebra::Matrix4::new_translation(&Vec3::new(0., 0., 20.)));
     let solids = solids(vec![shaft, rotor, turned(40.0, 90.0, 20.0, 100.0), bush]);
     // Between 40 and 90 they have two rows of 8 mm and more; from 20 to 120 degrees some 7 chords.
-    let count = assert_alike(&solids, |_| 15.0, |angle, z| (40.0..=90.0).contains(&z) && (19.9..=120.1).contains(&angle));
+    let count =
+        assert_alike(&solids, |p| is_at(p, 15.0), |angle, z| (40.0..=90.0).contains(&z) && (19.9..=120.1).contains(&angle));
     assert!(count > 100, "{count}");
 }
 
@@ -82,6 +87,26 @@ fn cones_of_one_surface_have_the_same_triangles() {
     let leaves =
         vec![turned(plug(0., 100.), TAU), turned(socket(10., 70.), TAU), turned(socket(30., 90.), PI), turned(full, TAU)];
     let solids = solids(leaves);
-    let count = assert_alike(&solids, radius, |angle, z| (30.0..=70.0).contains(&z) && angle <= 180.0);
+    let count = assert_alike(&solids, |p| is_at(p, radius(p.z)), |angle, z| (30.0..=70.0).contains(&z) && angle <= 180.0);
     assert!(count > 50, "{count}");
+}
+
+#[test]
+fn parts_of_a_torus_have_its_triangles() {
+    let ring = leaf(Primitive::Torus { frame: FRAME, major_radius: 30.0, minor_radius: 10.0 });
+    // Grooves along parts of it: an eighth all round, a quarter of it a third round upside down.
+    let groove = |sweep: f64, angle: f64| {
+        let (c, s) = (libm::cos(sweep), libm::sin(sweep));
+        let arc = Segment2 { end: [30. + 10. * c, 10. * s], arc: Some(Arc2 { center: [30., 0.], is_ccw: true }), name: None };
+        let line = |to: [f64; 2]| Segment2 { end: to, arc: None, name: None };
+        let outer = Path2 { start: [40., 0.], segments: vec![arc, line([50., 10. * s]), line([50., 0.])], is_closed: true };
+        leaf(Primitive::Revolution { frame: FRAME, profile: plain(outer), start: 0.0, angle })
+    };
+    let mut turned = groove(PI / 2.0, TAU / 3.0);
+    turned.transform = nalgebra::convert(nalgebra::Scale3::new(1.0, -1.0, 1.0));
+    let solids = solids(vec![ring, groove(PI / 4.0, TAU), turned]);
+    let is_on = |p: Vec3| p.x.hypot(p.y) > 30.0 && ((p.x.hypot(p.y) - 30.0).hypot(p.z) - 10.0).abs() < 1e-9;
+    let eighth = 10.0 * 0.5f64.sqrt() + 1e-6;
+    let count = assert_alike(&solids, is_on, |angle, z| (0.0..=eighth).contains(&z) && !(0.1..239.9).contains(&angle));
+    assert!(count > 20, "{count}");
 }

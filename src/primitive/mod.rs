@@ -2,7 +2,8 @@
 //!
 //! Reads [`Scene`], gives one solid per leaf to `contact`. Steps:
 //! 1. every leaf says which circles and ellipsoids it wants divided, and how finely;
-//! 2. those about one axis are divided alike ([`axis`]), ellipsoids written twice become one ([`ellipsoid`]);
+//! 2. those about one axis are divided alike ([`axis`]), arcs of profiles that are turned about it likewise, ellipsoids written
+//!    twice become one ([`ellipsoid`]);
 //! 3. cylinders and cones that are to be triangles are cut alike where they are one surface ([`levels`]);
 //! 4. every leaf is built on its own: planar solids ([`block`]), sweeps of profiles ([`sweep`] for extrusions, revolutions and
 //!    paths; curved panels in [`panel`] and [`ruled`]), octahedra ([`ellipsoid`]), files ([`import`]).
@@ -41,6 +42,7 @@ use path_sweep::PathSweep;
 use rayon::prelude::*;
 use revolve::Revolution;
 use solid::Solid;
+use std::collections::BTreeMap;
 use sweep::Sweep;
 
 /// What a leaf wants divided.
@@ -66,8 +68,10 @@ pub fn build(scene: &Scene) -> Outcome<Vec<Solid>> {
     let requests = collect(scene.leaves.as_slice().iter().map(|leaf| request(leaf).map_err(|e| named(e, leaf))))?;
     let divided = divide(requests, scene.tolerance);
     let leaves: Vec<(&Leaf, Divided)> = scene.leaves.iter().zip(divided).collect();
+    let meridians = meridians(&leaves, scene.tolerance)?;
+    let ready: Vec<((&Leaf, Divided), Vec<Circle>)> = leaves.into_iter().zip(meridians).collect();
     let drafts: Vec<Result<Draft, Diagnostic>> =
-        leaves.into_par_iter().map(|(leaf, divided)| draft(leaf, divided).map_err(|e| named(e, leaf))).collect();
+        ready.into_par_iter().map(|((leaf, divided), arcs)| draft(leaf, divided, &arcs).map_err(|e| named(e, leaf))).collect();
     let mut drafts = collect(drafts.into_iter())?;
     let mut sweeps: Vec<&mut Sweep> = drafts.iter_mut().filter_map(Draft::sweep).collect();
     levels::divide(&mut sweeps, scene.tolerance);
@@ -175,7 +179,31 @@ fn divide(requests: Vec<Request>, tolerance: f64) -> Vec<Divided> {
     counts.into_iter().filter_map(give).collect()
 }
 
-fn draft(leaf: &Leaf, divided: Divided) -> Result<Draft, Diagnostic> {
+/// The arcs of the profiles of revolutions, divided: those about one axis with the same centre in its half plane alike.
+fn meridians(leaves: &[(&Leaf, Divided)], tolerance: f64) -> Outcome<Vec<Vec<Circle>>> {
+    let arcs = |(leaf, divided): &(&Leaf, Divided)| match (revolution(leaf), divided) {
+        (Some(revolution), Divided::Circles(circles)) => match &circles[..] {
+            [circle] => Ok(revolution.meridians(circle)?.into_iter().map(|arc| (circle.group, arc)).collect()),
+            _ => Ok(Vec::new()),
+        },
+        _ => Ok(Vec::new()),
+    };
+    let requests: Vec<Vec<(usize, CircleRequest)>> = collect(leaves.iter().map(|l| arcs(l).map_err(|e| named(e, l.0))))?;
+    let mut by_axis: BTreeMap<usize, Vec<(usize, CircleRequest)>> = BTreeMap::new();
+    for (leaf, (axis, arc)) in requests.into_iter().enumerate().flat_map(|(k, arcs)| arcs.into_iter().map(move |a| (k, a))) {
+        by_axis.entry(axis).or_default().push((leaf, arc));
+    }
+    let mut divided: Vec<Vec<Circle>> = leaves.iter().map(|_| Vec::new()).collect();
+    for arcs in by_axis.into_values() {
+        let (owners, arcs): (Vec<usize>, Vec<CircleRequest>) = arcs.into_iter().unzip();
+        for (leaf, circle) in owners.into_iter().zip(axis::divide(&arcs, tolerance)) {
+            divided[leaf].push(circle);
+        }
+    }
+    Ok(divided)
+}
+
+fn draft(leaf: &Leaf, divided: Divided, meridians: &[Circle]) -> Result<Draft, Diagnostic> {
     let mut circles = match divided {
         Divided::Ellipsoid(ellipsoid) => return Ok(Draft::Solid(ellipsoid.build())),
         Divided::Circles(circles) => circles,
@@ -183,7 +211,7 @@ fn draft(leaf: &Leaf, divided: Divided) -> Result<Draft, Diagnostic> {
     let sweep = |sweep| Draft::Sweep(Box::new(sweep));
     if let Some(revolution) = revolution(leaf) {
         let circle = circles.pop().ok_or_else(|| Diagnostic::internal("no-circle", "a revolution lost its circle"))?;
-        return revolution.sweep(circle).map(sweep);
+        return revolution.sweep(circle, meridians).map(sweep);
     }
     match &leaf.primitive {
         Primitive::Block { lo, hi } => Ok(Draft::Solid(block::block(lo, hi, &leaf.transform))),

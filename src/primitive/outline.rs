@@ -18,6 +18,8 @@ pub(crate) struct OutlineVertex {
     pub on_circle: Option<OnCircle>,
     /// Whether the direction of the chain jumps there.
     pub is_corner: bool,
+    /// Whether an arc about the same centre begins or ends there, in this leaf or another.
+    pub is_hard: bool,
 }
 
 /// A point of a shared circle.
@@ -130,7 +132,7 @@ impl Outline {
     }
 
     fn push(&mut self, xy: [f64; 2]) {
-        self.vertices.push(OutlineVertex { xy, on_circle: None, is_corner: false });
+        self.vertices.push(OutlineVertex { xy, on_circle: None, is_corner: false, is_hard: false });
     }
 
     /// Pushes the inner vertices of an arc (all vertices of a full circle).
@@ -139,13 +141,13 @@ impl Outline {
         let (start, sweep) = range_of(arc, from, to);
         let is_full = sweep >= 360.0;
         let mut run = RunArc { center: arc.center, radius, is_ccw: arc.is_ccw, circle: None };
-        let mut points: Vec<(f64, Option<f64>)> = Vec::new();
+        let mut points: Vec<(f64, Option<f64>, bool)> = Vec::new();
         match rule {
             Rule::Shared { circles, next } => {
                 let circle = &circles[*next];
                 run.circle = Some(*next);
                 *next += 1;
-                points.extend(circle.breakpoints.iter().map(|b| (circle.start + b.along, Some(b.degrees))));
+                points.extend(circle.breakpoints.iter().map(|b| (circle.start + b.along, Some(b.degrees), b.is_hard)));
             }
             Rule::Own { division, scale, longest } => {
                 let segments = f64::from(division::segments(division, radius * *scale)?);
@@ -155,18 +157,18 @@ impl Outline {
                 let parts = if is_full { 2.0 * (parts * 0.5).ceil() } else { parts };
                 check_count(parts)?;
                 let last = parts as u32 - u32::from(is_full);
-                points.extend((0..=last).map(|k| (start + sweep * f64::from(k) / parts, None)));
+                points.extend((0..=last).map(|k| (start + sweep * f64::from(k) / parts, None, false)));
             }
         }
         if !arc.is_ccw {
             points.reverse();
         }
         let inner = if is_full { &points[..] } else { &points[1..points.len() - 1] };
-        for &(local, degrees) in inner {
+        for &(local, degrees, is_hard) in inner {
             let (c, s) = angle::cos_sin(local);
             let xy = [arc.center[0] + radius * c, arc.center[1] + radius * s];
             let on_circle = run.circle.zip(degrees).map(|(circle, degrees)| OnCircle { circle, degrees, radius });
-            self.vertices.push(OutlineVertex { xy, on_circle, is_corner: false });
+            self.vertices.push(OutlineVertex { xy, on_circle, is_corner: false, is_hard });
         }
         Ok(run)
     }

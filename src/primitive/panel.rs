@@ -1,6 +1,6 @@
 //! Doubly curved panels as level curves of triangles (thesis 2.3.3.2): an arc of the profile along an arc of the motion, with
-//! rows at the vertices of the profile. Rows on a rim use the stations, so that neighbours share them; rows between are free
-//! ([`super::rows`]): a torus has fewer chords per row towards its axis.
+//! rows at the vertices of the profile. Rows on a rim and at hard vertices use the stations, so that neighbours, and leaves with
+//! only a part of the arc, share them; rows between are free ([`super::rows`]): a torus has fewer chords per row towards its axis.
 
 use super::division::check_count;
 use super::outline::{Outline, Run, RunArc};
@@ -35,34 +35,62 @@ impl Maker<'_> {
         (piece, turn): (&Piece, &Turn),
         surface: u32,
     ) -> Result<(), Diagnostic> {
+        let outline = &self.sweep.loops[l];
+        let n = outline.vertices.len();
+        let is_closed = run.count == n;
+        let is_inner =
+            |i: &usize| outline.vertices[i % n].is_hard && (is_closed || (*i != run.first && *i != run.first + run.count));
+        let mut hard: Vec<usize> = (run.first..run.first + run.count).filter(is_inner).collect();
+        if is_closed {
+            hard.extend(hard.first().map(|i| i + n));
+        } else {
+            hard.insert(0, run.first);
+            hard.push(run.first + run.count);
+        }
+        if hard.is_empty() {
+            return self.turned_cell(l, (run, arc), [run.first, run.first + n], (piece, turn), surface);
+        }
+        hard.windows(2).try_for_each(|ends| self.turned_cell(l, (run, arc), [ends[0], ends[1]], (piece, turn), surface))
+    }
+
+    /// A cell between two hard vertices of the profile; all of a circle without any if they are the same.
+    fn turned_cell(
+        &mut self,
+        l: usize,
+        (run, arc): (&Run, &RunArc),
+        [from, to]: [usize; 2],
+        (piece, turn): (&Piece, &Turn),
+        surface: u32,
+    ) -> Result<(), Diagnostic> {
         let sweep = self.sweep;
         let outline = &sweep.loops[l];
         let n = outline.vertices.len();
         let radius = |i: usize| (turn.offset + turn.sense * outline.vertices[i % n].xy[0]).abs();
-        let largest = (run.first..=run.first + run.count).map(radius).fold(0.0, f64::max);
-        let [a, b] = [run.first, run.first + 1].map(|i| outline.vertices[i % n].xy);
+        let largest = (from..=to).map(radius).fold(0.0, f64::max);
+        let [a, b] = [from, from + 1].map(|i| outline.vertices[i % n].xy);
         let segments = f64::from(sweep.circles[turn.circle].segments);
         let sizing = Sizing { height: super::outline::distance(a, b), chord: TAU * largest / segments, radius: largest };
-        let is_ring = run.count == n;
+        let is_ring = to - from == n && !outline.vertices[from % n].is_hard;
         let chords = |i: usize| {
-            let rows = (i - run.first).min(run.first + run.count - i) as f64;
+            let rows = (i - from).min(to - i) as f64;
             let from_rim = if is_ring { f64::INFINITY } else { rows * sizing.height };
             sizing.chord_at(radius(i), sine_of_normal(outline, run, i), from_rim)
         };
         let columns = turn.columns(piece, 1.0);
         let length = |i: usize| columns.sweep().to_radians() * radius(i);
-        check_count((run.first..run.first + run.count).map(|i| 2.0 * length(i) / chords(i)).sum())?;
+        check_count((from..to).map(|i| 2.0 * length(i) / chords(i)).sum())?;
         // Rows in the sense that is counter-clockwise in the half plane of the axis, whatever the leaf's.
         let circle = &sweep.circles[turn.circle];
         let is_rising = arc.is_ccw == ((circle.place.axes[2].dot(&circle.axis.z) > 0.0) == (turn.sense > 0.0));
-        let order: Vec<usize> = (0..=run.count).map(|r| run.first + if is_rising { r } else { run.count - r }).collect();
         let is_flipped = is_rising != (turn.direction > 0.0);
         let mut below: Vec<Row> = Vec::new();
         let mut first: Vec<Row> = Vec::new();
-        for (r, &i) in order.iter().enumerate() {
-            let row = if r == run.count && is_ring {
+        for r in 0..=to - from {
+            let i = if is_rising { from + r } else { to - r };
+            let is_end = r == 0 || r == to - from;
+            let row = if is_ring && r == to - from {
                 std::mem::take(&mut first)
-            } else if !is_ring && (r == 0 || r == run.count) {
+            } else if is_end && !is_ring {
                 columns.on_columns(|c| self.vertex(l, i, c.index))
             } else {
                 self.free_row(l, i, (piece, turn), &columns, radius(i) / chords(i), r % 2 == 1)

@@ -86,7 +86,7 @@ impl PathSweep<'_> {
             }
         }
         let parallel = |x: f64| -> Vec<Vec3> {
-            let vertex = OutlineVertex { xy: [x, 0.0], on_circle: None, is_corner: false };
+            let vertex = OutlineVertex { xy: [x, 0.0], on_circle: None, is_corner: false, is_hard: false };
             sweep.stations.iter().map(|s| sweep.point(&vertex, s)).collect()
         };
         let (mut right, mut left) = (parallel(hi[0]), parallel(lo[0]));

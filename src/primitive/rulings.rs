@@ -63,7 +63,7 @@ impl Sweep {
             let ends = [a, b].map(|z| circle.axis_point(z));
             return (circle.axis.clone(), Some(circle.group), ends, [radius; 2], f64::from(circle.segments));
         }
-        let center = OutlineVertex { xy: arc.center, on_circle: None, is_corner: false };
+        let center = OutlineVertex { xy: arc.center, on_circle: None, is_corner: false, is_hard: false };
         let ends = stations.map(|station| self.point(&center, &station));
         // Angles of a profile, x to the right and y up, turn about the direction of travel as screws go backwards.
         let z = (ends[0] - ends[1]).normalize() * if self.place.is_mirrored() { -1.0 } else { 1.0 };
@@ -80,7 +80,7 @@ impl Sweep {
             _ => {
                 let (c, s) = angle::cos_sin(degrees);
                 let xy = [arc.center[0] + arc.radius * c, arc.center[1] + arc.radius * s];
-                self.point(&OutlineVertex { xy, on_circle: None, is_corner: false }, station)
+                self.point(&OutlineVertex { xy, on_circle: None, is_corner: false, is_hard: false }, station)
             }
         }
     }

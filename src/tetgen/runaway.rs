@@ -31,7 +31,7 @@ fn is_above(p: [Vec3; 4], ratio: f64) -> bool {
     let center = a.norm_squared() * b.cross(&c) + b.norm_squared() * c.cross(&a) + c.norm_squared() * a.cross(&b);
     let edges = [a, b, c, b - a, c - a, c - b].map(|e| e.norm_squared());
     let shortest = edges.into_iter().fold(f64::INFINITY, f64::min);
-    center.norm_squared() > ratio * ratio * shortest * doubled * doubled
+    doubled == 0.0 || center.norm_squared() > ratio * ratio * shortest * doubled * doubled
 }
 
 #[cfg(test)]
