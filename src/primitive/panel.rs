@@ -121,10 +121,13 @@ impl Maker<'_> {
             let pole = self.vertex(l, i, piece.first);
             return columns.on_columns(|_| pole);
         }
-        let ends = columns.ends().map(|c| (!columns.is_closed).then(|| self.vertex(l, i, c.index)));
-        columns.free(Some(per_radian.to_radians()), is_shifted, ends, |degrees, freedom: Freedom| {
-            let station = Station::OnCircle { circle: turn.circle, degrees, offset: turn.offset, sense: turn.sense };
-            self.shell.vertex(sweep.point(&profile, &station), freedom)
+        let ends = columns.ends();
+        columns.free(Some(per_radian.to_radians()), is_shifted, |degrees, end| match end {
+            Some(end) => self.vertex(l, i, ends[end].index),
+            None => {
+                let station = Station::OnCircle { circle: turn.circle, degrees, offset: turn.offset, sense: turn.sense };
+                self.shell.vertex(sweep.point(&profile, &station), Freedom::Surface)
+            }
         })
     }
 }

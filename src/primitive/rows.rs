@@ -7,7 +7,6 @@
 
 use super::angle;
 use super::shell::Shell;
-use super::solid::Freedom;
 
 /// Chords may be this much longer than rows are high: angles are then 53 and 74 degrees where rows are in step, and 34 at worst
 /// where they are not.
@@ -102,16 +101,11 @@ impl Columns {
         self.sectors.iter().map(row).collect()
     }
 
-    /// A free row of about so many chords per degree, or as many as there are columns. `ends` are its first and its last vertex,
-    /// where they are known (not if it is closed); `vertex` makes the others at the axis' degrees.
-    pub fn free(
-        &self,
-        chords: Option<f64>,
-        is_shifted: bool,
-        ends: [Option<u32>; 2],
-        mut vertex: impl FnMut(f64, Freedom) -> u32,
-    ) -> Vec<Row> {
+    /// A free row of about so many chords per degree, or as many as there are columns. `vertex` makes the vertex at the axis'
+    /// degrees; it is told if that is on the first (0) or the last column (1) of those that are not closed.
+    pub fn free(&self, chords: Option<f64>, is_shifted: bool, mut vertex: impl FnMut(f64, Option<usize>) -> u32) -> Vec<Row> {
         let shift = if is_shifted { 0.5 } else { 0.0 };
+        let is_open = !self.is_closed;
         let mut rows: Vec<Row> = Vec::with_capacity(self.sectors.len());
         for (s, sector) in self.sectors.iter().enumerate() {
             let from = self.all[sector.first].degrees;
@@ -122,24 +116,23 @@ impl Columns {
             };
             let mut row = Row::new();
             if !sector.is_ring {
-                let before = if s == 0 { ends[0] } else { rows[s - 1].last().map(|v| v.1) };
-                row.push((0.0, before.unwrap_or_else(|| vertex(from, Freedom::Surface))));
+                let before = rows.last().and_then(|r| r.last()).map(|v| v.1);
+                row.push((0.0, before.unwrap_or_else(|| vertex(from, is_open.then_some(0)))));
             }
             // The first point of an unshifted row is the sector's beginning, pushed above.
             for q in u32::from(!is_shifted && !sector.is_ring)..parts as u32 {
-                let share = (f64::from(q) + shift) / parts;
-                row.push((share, vertex(angle::canonical(from + self.sense * (sector.sweep * share)), Freedom::Surface)));
+                let along = f64::from(q) + shift;
+                let degrees = angle::canonical(from + self.sense * (sector.sweep / parts * along));
+                row.push((along / parts, vertex(degrees, None)));
             }
+            let is_last = s + 1 == self.sectors.len();
             if sector.is_ring {
                 row.push((row[0].0 + 1.0, row[0].1));
+            } else if is_last && self.is_closed {
+                let first = rows.first().unwrap_or(&row)[0].1;
+                row.push((1.0, first));
             } else {
-                let is_last = s + 1 == self.sectors.len();
-                let known = match (is_last, self.is_closed) {
-                    (true, true) => Some(rows.first().unwrap_or(&row)[0].1),
-                    (true, false) => ends[1],
-                    _ => None,
-                };
-                row.push((1.0, known.unwrap_or_else(|| vertex(self.all[sector.last].degrees, Freedom::Surface))));
+                row.push((1.0, vertex(self.all[sector.last].degrees, is_last.then_some(1))));
             }
             rows.push(row);
         }
@@ -173,16 +166,15 @@ pub(super) fn stitch(shell: &mut Shell, surface: u32, below: &[Row], above: &[Ro
         while i + 1 < below.len() || j + 1 < above.len() {
             // The side whose next edge has its middle first goes on.
             let middle = |row: &Row, k: usize| row.get(k + 1).map_or(f64::INFINITY, |next| row[k].0 + next.0);
-            let mut triangle = if middle(below, i) <= middle(above, j) {
+            let triangle = if middle(below, i) <= middle(above, j) {
                 i += 1;
-                vec![below[i - 1].1, below[i].1, above[j].1]
+                let (a, b) = (below[i - 1].1, below[i].1);
+                if is_flipped { vec![b, a, above[j].1] } else { vec![a, b, above[j].1] }
             } else {
                 j += 1;
-                vec![above[j].1, above[j - 1].1, below[i].1]
+                let (a, b) = (above[j - 1].1, above[j].1);
+                if is_flipped { vec![a, b, below[i].1] } else { vec![b, a, below[i].1] }
             };
-            if is_flipped {
-                triangle.reverse();
-            }
             shell.facet(surface, vec![triangle]);
         }
     }

@@ -48,42 +48,54 @@ impl Maker<'_> {
         rim: impl Fn(&mut Self, &Column, usize) -> u32,
         freedom: impl Fn(&Column) -> Freedom,
     ) -> Result<(), Diagnostic> {
-        let Sheet { columns, levels: Levels { levels, rows, .. }, surface, .. } = sheet;
+        let Sheet { columns, levels: Levels { levels, rows, is_rising, .. }, surface, .. } = sheet;
         check_count(rows.iter().map(|n| f64::from(*n)).sum::<f64>() * 2.0 * columns.len() as f64)?;
-        let mut below = columns.on_columns(|c| rim(self, c, 0));
-        // Vertices between the ends of the first and the last column: a neighbour may have made them.
+        // Gap and number in it of every row but the lowest.
+        let all: Vec<(usize, u32)> = rows.iter().enumerate().flat_map(|(gap, &n)| (1..=n).map(move |r| (gap, r))).collect();
+        // Vertices between the rims on the first and the last column: a neighbour may have made them.
         let sides = columns.ends().map(|c| (c, [0, 1].map(|end| rim(self, &c, end))));
         let known = sides.map(|(_, rims)| self.shell.cuts(rims));
         let mut made: [Vec<u32>; 2] = Default::default();
-        for (gap, ends) in levels.windows(2).enumerate() {
-            for r in 1..=rows[gap] {
-                let is_end = r == rows[gap] && gap + 1 == rows.len();
+        let mut last: Vec<Row> = Vec::new();
+        for step in 0..=all.len() {
+            let n = if *is_rising { step } else { all.len() - step };
+            let row: Vec<Row> = if n == 0 || n == all.len() {
+                columns.on_columns(|c| rim(self, c, usize::from(n > 0)))
+            } else {
+                let (gap, r) = all[n - 1];
+                let ends = &levels[gap..gap + 2];
                 let at = between([&ends[0], &ends[1]], f64::from(r) / f64::from(rows[gap]));
-                if !is_end && !columns.is_closed {
-                    for side in 0..2 {
-                        let (column, _) = &sides[side];
-                        let next = known[side].as_ref().and_then(|k| k.get(made[side].len()).copied());
-                        made[side].push(next.unwrap_or_else(|| self.point(sheet, column.degrees, &at, freedom(column))));
-                    }
-                }
-                let ids = [0, 1].map(|side: usize| made[side].last().copied());
-                let row: Vec<Row> = if is_end {
-                    columns.on_columns(|c| rim(self, c, 1))
-                } else if r == rows[gap] {
-                    let is_at = |c: &Column, side: usize| !columns.is_closed && c.index == sides[side].0.index;
-                    columns.on_columns(|c| {
-                        let known = if is_at(c, 0) { ids[0] } else { ids[1].filter(|_| is_at(c, 1)) };
-                        known.unwrap_or_else(|| self.point(sheet, c.degrees, &at, Freedom::Surface))
+                let mut on_side = |maker: &mut Self, side: usize| {
+                    let (column, _) = &sides[side];
+                    let known = known[side].as_ref().and_then(|k| k.get(n - 1).copied());
+                    let id = known.unwrap_or_else(|| maker.point(sheet, column.degrees, &at, freedom(column)));
+                    made[side].push(id);
+                    id
+                };
+                if r == rows[gap] {
+                    let side = |c: &Column| (0..2).find(|&s| !columns.is_closed && c.index == sides[s].0.index);
+                    columns.on_columns(|c| match side(c) {
+                        Some(side) => on_side(self, side),
+                        None => self.point(sheet, c.degrees, &at, Freedom::Surface),
                     })
                 } else {
                     let chords = chords_per_degree(sheet.levels.segments, ends, [r, rows[gap]], at.radius);
-                    columns.free(chords, r % 2 == 1, ids, |degrees, freedom| self.point(sheet, degrees, &at, freedom))
-                };
-                stitch(&mut self.shell, *surface, &below, &row, sheet.is_flipped);
-                below = row;
+                    columns.free(chords, r % 2 == 1, |degrees, end| match end {
+                        Some(side) => on_side(self, side),
+                        None => self.point(sheet, degrees, &at, Freedom::Surface),
+                    })
+                }
+            };
+            if step > 0 {
+                let (low, high) = if *is_rising { (&last, &row) } else { (&row, &last) };
+                stitch(&mut self.shell, *surface, low, high, sheet.is_flipped);
             }
+            last = row;
         }
-        for ((_, rims), made) in sides.into_iter().zip(made) {
+        for ((_, rims), mut made) in sides.into_iter().zip(made) {
+            if !*is_rising {
+                made.reverse();
+            }
             self.shell.cut(rims, made);
         }
         Ok(())
