@@ -108,17 +108,14 @@ impl Outline {
             outline.push(from);
             let name = segment.name.clone().unwrap_or_else(|| name(k));
             let mut arc = None;
-            match &segment.arc {
-                Some(a) => {
-                    if from == segment.end {
-                        if path.segments.len() > 1 || !path.is_closed {
-                            return Err(bad("a full circle must be the only segment of a closed chain", from));
-                        }
-                        outline.vertices.clear();
+            if let Some(a) = &segment.arc {
+                if from == segment.end {
+                    if path.segments.len() > 1 || !path.is_closed {
+                        return Err(bad("a full circle must be the only segment of a closed chain", from));
                     }
-                    arc = Some(outline.push_arc(a, from, segment.end, rule)?);
+                    outline.vertices.clear();
                 }
-                None => {}
+                arc = Some(outline.push_arc(a, from, segment.end, rule)?);
             }
             outline.runs.push(Run { first, count: outline.vertices.len() - first, arc, name });
             from = segment.end;
