@@ -110,3 +110,17 @@ fn parts_of_a_torus_have_its_triangles() {
     let count = assert_alike(&solids, is_on, |angle, z| (0.0..=eighth).contains(&z) && !(0.1..239.9).contains(&angle));
     assert!(count > 20, "{count}");
 }
+
+#[test]
+fn ellipses_about_one_axis_are_divided_alike() {
+    let squeeze: Affine = nalgebra::convert(nalgebra::Scale3::new(2.0, 1.0, 1.0));
+    let profile = chain(&[[10., 5.], [15., 5.], [15., 40.], [10., 40.]]);
+    let sector = leaf(Primitive::Revolution { frame: FRAME, profile, start: 20f64.to_radians(), angle: 100f64.to_radians() });
+    let rod = leaf(Primitive::Cone { frame: FRAME, bottom_radius: 10.0, top_radius: 10.0, height: 30.0 });
+    let solids = solids([rod, sector].into_iter().map(|l| Leaf { transform: squeeze, ..l }).collect());
+    // Seen without the scale: 20 to 120 degrees.
+    let is_on = |p: Vec3| is_at(Vec3::new(p.x / 2.0, p.y, p.z), 10.0);
+    let [low, high] = [20f64, 120f64].map(|a| libm::atan2(a.to_radians().sin(), 2.0 * a.to_radians().cos()).to_degrees());
+    let count = assert_alike(&solids, is_on, |angle, z| (5.0..=30.0).contains(&z) && (low - 0.1..=high + 0.1).contains(&angle));
+    assert!(count > 20, "{count}");
+}
