@@ -9,7 +9,7 @@ use gsm::evaluate::evaluate;
 use gsm::geom::aabb::Aabb;
 use gsm::geom::embedding::violations;
 use gsm::geom::{Affine, Vec3};
-use gsm::ids::Id;
+use gsm::ids::{Id, PartId};
 use gsm::plc;
 use gsm::primitive;
 use gsm::remesh::remesh;
@@ -17,7 +17,7 @@ use gsm::report::timing::Timings;
 use gsm::scene::model::{RemeshMode, RemeshOptions, Scene};
 use gsm::scene::{self, Limits};
 use gsm::tetgen::{self, Input, Meshed, Options, Program, find};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -152,6 +152,30 @@ fn rotated_scenes_are_alike() {
         }
     }
     assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+/// Parts of the pieces, and the interfaces.
+fn pieces(complex: &Complex) -> (Vec<Option<PartId>>, BTreeSet<String>) {
+    (complex.regions.iter().map(|r| r.part).collect(), topology(complex).interfaces.into_keys().collect())
+}
+
+/// Curved faces that coincide are cut alike also as triangles: no piece of air is left between them.
+#[test]
+fn triangulated_scenes_have_the_same_pieces() {
+    for (name, set) in SCENES {
+        let scene = load(name, set);
+        let expected = pieces(&build(&scene).unwrap());
+        let mut cut = scene.clone();
+        cut.leaves.iter_mut().for_each(|leaf| leaf.is_triangulated = true);
+        for (place, mode) in
+            [(Affine::identity(), RemeshMode::Full), (rotation(11), RemeshMode::Off), (rotation(12), RemeshMode::Interfaces)]
+        {
+            let complex = build(&moved(&cut, &place)).unwrap_or_else(|e| panic!("{name} {mode:?}: {e}"));
+            let options = RemeshOptions { mode, ..scene.remesh };
+            let complex = remesh(complex, &options, &scene.parts).unwrap_or_else(|e| panic!("{name} {mode:?}: {e:?}"));
+            assert_eq!(pieces(&complex), expected, "{name} {mode:?}");
+        }
+    }
 }
 
 #[test]

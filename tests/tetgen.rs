@@ -86,3 +86,51 @@ fn a_missing_program_is_a_clear_message() {
     let fault = find::find(Some(Path::new("/nowhere/tetgen"))).unwrap_err();
     assert_eq!(fault.code, "no-tetgen");
 }
+
+/// A program that meshes as TetGen does, but for the runs up to the given number ignores the quality and makes small tetrahedra.
+#[cfg(unix)]
+fn endless(runs: u32) -> std::path::PathBuf {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("endless{runs}"));
+    drop(std::fs::remove_dir_all(&folder));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("tetgen");
+    let script = format!(
+        "#!/bin/sh\n[ \"$1\" = -h ] && exec tetgen -h\necho run >> {count}\n\
+         [ $(wc -l < {count}) -gt {runs} ] && exec tetgen \"$@\"\nexec tetgen -pAa0.001 m.poly\n",
+        count = folder.join("count").display(),
+    );
+    std::fs::write(&path, script).unwrap();
+    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
+    path
+}
+
+#[cfg(unix)]
+fn cube() -> Input {
+    let mut builder = Builder::default();
+    builder.prism(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], [0.0, 1.0], 1, "cube", true);
+    builder.finish()
+}
+
+#[test]
+#[cfg(unix)]
+fn after_an_endless_refinement_other_attempts_are_made() {
+    let programs = find::find(Some(&endless(2))).unwrap();
+    let meshed = mesh(&cube(), &programs, &Options { ratio: 1.2, ..Options::default() }).unwrap();
+    let verdicts: Vec<&str> = meshed.attempts.iter().map(|a| a.verdict.as_str()).collect();
+    assert_eq!(verdicts.len(), 3, "{verdicts:?}");
+    assert!(verdicts[0].contains("without end") && verdicts[1].contains("without end") && verdicts[2] == "good");
+    assert!(meshed.mesh.tets.len() < 100 && meshed.warnings.is_empty());
+}
+
+#[test]
+#[cfg(unix)]
+fn if_all_are_refined_without_end_the_smallest_is_given_with_a_warning() {
+    let programs = find::find(Some(&endless(1000))).unwrap();
+    let meshed = mesh(&cube(), &programs, &Options { ratio: 1.2, ..Options::default() }).unwrap();
+    assert_eq!((meshed.moved, meshed.warnings.len()), (0.0, 1));
+    assert_eq!(meshed.warnings[0].code, "endless-refinement");
+    let count = |verdict: &str| verdict.split_whitespace().find_map(|w| w.parse::<usize>().ok()).unwrap();
+    let counts: Vec<usize> = meshed.attempts.iter().map(|a| count(&a.verdict)).collect();
+    assert!(counts.len() > 3 && counts.iter().min() == Some(&meshed.mesh.tets.len()), "{counts:?}");
+}

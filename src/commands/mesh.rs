@@ -76,7 +76,7 @@ pub fn run(args: &MeshArgs, session: &mut Session) -> io::Result<Exit> {
             return complain(faults, args, session, exit);
         }
     };
-    let options = options(args, &task.wanted);
+    let options = Options { on_attempt: session.progress(), ..options(args, &task.wanted) };
     let mut result = timings.measure("tetgen", || tetgen::mesh(&task.input, &programs, &options));
     if let Err(faults) = &result
         && task.is_remeshed
@@ -87,7 +87,10 @@ pub fn run(args: &MeshArgs, session: &mut Session) -> io::Result<Exit> {
         result = timings.measure("tetgen", || tetgen::mesh(&task.input, &programs, &options));
     }
     let meshed = match result {
-        Ok(meshed) => meshed,
+        Ok(mut meshed) => {
+            task.warnings.append(&mut meshed.warnings);
+            meshed
+        }
         Err(faults) => return complain([task.warnings, faults].concat(), args, session, Exit::Outside),
     };
     let outputs = match args.output.is_empty() {
@@ -141,6 +144,7 @@ fn options(args: &MeshArgs, scene: &MeshOptions) -> Options {
         max_volume: args.max_volume,
         time: Duration::try_from_secs_f64(args.time_limit).unwrap_or(Duration::MAX),
         memory: (args.memory_limit * GIB) as u64,
+        on_attempt: None,
     }
 }
 

@@ -62,8 +62,8 @@ impl Session<'_> {
     }
 
     /// Where the pipeline tells the stage that begins.
-    pub fn progress(&self) -> Option<fn(&'static str)> {
-        (!self.common.quiet && !self.common.json && io::stderr().is_terminal()).then_some(show_progress as fn(&'static str))
+    pub fn progress(&self) -> Option<fn(&str)> {
+        (!self.common.quiet && !self.common.json && io::stderr().is_terminal()).then_some(show_progress as fn(&str))
     }
 
     /// Writes diagnostics to standard error; `file` is the one that spans refer to.
@@ -111,7 +111,7 @@ pub fn source_for(diagnostics: &[Diagnostic], file: &Path) -> Option<String> {
     if is_small { std::fs::read_to_string(file).ok() } else { None }
 }
 
-fn show_progress(stage: &'static str) {
+fn show_progress(stage: &str) {
     static START: OnceLock<Instant> = OnceLock::new();
     if START.get_or_init(Instant::now).elapsed() > QUIET_TIME {
         let mut err = io::stderr().lock();

@@ -9,7 +9,7 @@ use crate::geom::Vec3;
 use crate::geom::polygon;
 use crate::geom::predicates::Projection;
 use spade::handles::{DirectedEdgeHandle, FixedFaceHandle, FixedVertexHandle, InnerTag};
-use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
+use spade::{ConstrainedDelaunayTriangulation, Intersection, LineIntersectionIterator, Point2, Triangulation};
 
 type Cdt = ConstrainedDelaunayTriangulation<Point2<f64>>;
 type HalfEdge<'a> = DirectedEdgeHandle<'a, Point2<f64>, (), spade::CdtEdge<()>, ()>;
@@ -149,8 +149,8 @@ fn triangulate(vertices: &[u32], edges: &[[u32; 2]], projection: Projection, poi
     Ok(cdt)
 }
 
-/// Adds the chords that cross nothing; the exact arrangement cuts the others. A chord past a vertex that `is_on` it goes through
-/// that vertex: beside it, a needle would be left that rounding turns over.
+/// Adds the chords that cross nothing; the exact arrangement cuts the others. A chord through a vertex is two, and so is one past
+/// a vertex that `is_on` it: beside it, a needle would be left that rounding turns over.
 fn add_chords(cdt: &mut Cdt, chords: &[[u32; 2]], vertices: &[u32], is_on: impl Fn(usize, [usize; 2]) -> bool) {
     let mut chords = chords.to_vec();
     chords.sort_unstable();
@@ -159,14 +159,25 @@ fn add_chords(cdt: &mut Cdt, chords: &[[u32; 2]], vertices: &[u32], is_on: impl 
     let mut rest: Vec<[usize; 2]> = slots.filter_map(|c| if let [Ok(a), Ok(b)] = c { Some([a, b]) } else { None }).collect();
     while let Some(ends) = rest.pop() {
         let [a, b] = ends.map(FixedVertexHandle::from_index);
-        let [new] = cdt.try_add_constraint(a, b)[..] else { continue };
-        // Of all vertices on its side, the one nearest to lying on the chord makes a triangle with it.
-        let chord = cdt.directed_edge(new);
-        let apexes =
-            [chord, chord.rev()].into_iter().filter_map(|e| Some(e.next().to().fix().index()).filter(|_| !e.is_outer_edge()));
-        let passed = apexes.into_iter().find(|&v| is_on(v, ends));
+        if cdt.exists_constraint(a, b) {
+            continue;
+        }
+        let met = LineIntersectionIterator::new_from_handles(cdt, a, b).find_map(|met| match met {
+            Intersection::VertexIntersection(v) => Some(v.fix()).filter(|v| *v != a && *v != b),
+            _ => None,
+        });
+        let passed = met.map(|v| v.index()).or_else(|| {
+            let [new] = cdt.try_add_constraint(a, b)[..] else { return None };
+            // Of all vertices on its side, the one nearest to lying on the chord makes a triangle with it.
+            let chord = cdt.directed_edge(new);
+            let inner = [chord, chord.rev()].into_iter().filter(|e| !e.is_outer_edge());
+            let passed = inner.map(|e| e.next().to().fix().index()).find(|&v| is_on(v, ends));
+            if passed.is_some() {
+                cdt.remove_constraint_edge(new.as_undirected());
+            }
+            passed
+        });
         if let Some(v) = passed {
-            cdt.remove_constraint_edge(new.as_undirected());
             rest.extend([[ends[0], v], [v, ends[1]]]);
         }
     }

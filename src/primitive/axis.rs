@@ -1,6 +1,7 @@
 //! Angular breakpoints belong to the axis: all circles and arcs about one line are divided alike, whoever wrote them.
 //!
-//! The rule. Circles and arcs whose axes agree within the contact tolerance, in either direction, form a group.
+//! The rule. Circles and arcs whose axes agree within the contact tolerance, in either direction, form a group; so do ellipses, which
+//! unequal scales make of them, if they are parallel and similar.
 //! 1. *Hard* breakpoints are the ends of all arcs and partial sweeps of the group, and the start of a full revolution that was
 //!    written with one; those that agree within the tolerance are one (the earliest leaf's).
 //! 2. The gap between two neighbouring hard breakpoints is divided into equal parts, the fewest that are no longer than the
@@ -28,10 +29,14 @@ const MAX_SHARED: usize = 2000;
 const CELL: f64 = 1e-6;
 /// Angles nearer than this (degrees) are one even if the tolerance is finer: it is what conversions lose.
 const SAME_ANGLE: f64 = 1e-10;
+/// Axes of ellipses that agree to this fraction agree if the tolerance is finer: some rotations and scales of rounding.
+const SIMILAR: f64 = 1e-12;
 
 /// A request in its group.
 struct Member {
     request: usize,
+    /// From local radii to lengths along the axis' x.
+    scale: f64,
     /// Axis degrees of the leaf's local angle 0.
     phase: f64,
     sense: f64,
@@ -51,14 +56,13 @@ pub(crate) fn divide(requests: &[CircleRequest], tolerance: f64) -> Vec<Circle> 
     let size = bounds.diagonal();
     let groups = find_groups(requests, tolerance, size, bounds.center());
     let mut circles: Vec<Option<Circle>> = requests.iter().map(|_| None).collect();
+    let mut number = 0;
     for group in &groups {
         let shares = group.members.iter().filter(|m| has_ends(&requests[m.request])).count() * 2 <= MAX_SHARED;
-        if shares {
-            divide_group(group, &group.members, requests, tolerance * size, &mut circles);
-        } else {
-            for member in &group.members {
-                divide_group(group, std::slice::from_ref(member), requests, tolerance * size, &mut circles);
-            }
+        let parts = group.members.chunks(if shares { group.members.len() } else { 1 });
+        for members in parts {
+            divide_group(&group.axis, number, members, requests, tolerance * size, &mut circles);
+            number += 1;
         }
     }
     circles.into_iter().flatten().collect()
@@ -75,27 +79,24 @@ fn find_groups(requests: &[CircleRequest], tolerance: f64, size: f64, center: Ve
     for (k, request) in requests.iter().enumerate() {
         let [x, y, z] = request.place.axes;
         let origin = request.place.point(request.center[0], request.center[1], 0.0);
-        if request.place.circle_scale().is_none() {
-            let axis = Axis { origin, z: z.normalize(), x, y };
-            groups.push(Group { axis, members: vec![Member { request: k, phase: 0.0, sense: 1.0 }] });
-            continue;
-        }
         let direction = z.normalize();
         let nearest = origin + direction * (center - origin).dot(&direction);
         let slot: [i64; 3] = std::array::from_fn(|i| (nearest[i] / cell).floor() as i64);
         let found = neighbours(slot).find_map(|s| {
             let candidates = lookup.get(&s)?;
-            candidates.iter().copied().find(|&g| is_on_axis(request, &direction, &groups[g].axis, tolerance, size))
+            let on_axis = candidates.iter().filter(|&&g| is_on_axis(request, &direction, &groups[g].axis, tolerance, size));
+            on_axis.copied().find_map(|g| Some((g, place_in(&groups[g].axis, k, request, tolerance)?)))
         });
         match found {
-            Some(g) => {
-                let member = place_in(&groups[g].axis, k, &x.normalize(), &y.normalize());
-                groups[g].members.push(member);
-            }
+            Some((g, member)) => groups[g].members.push(member),
             None => {
                 lookup.entry(slot).or_default().push(groups.len());
-                let axis = Axis { origin, z: direction, x: x.normalize(), y: y.normalize() };
-                groups.push(Group { axis, members: vec![Member { request: k, phase: 0.0, sense: 1.0 }] });
+                let (x, y, scale) = match request.place.circle_scale() {
+                    Some(scale) => (x.normalize(), y.normalize(), scale),
+                    None => (x, y, 1.0),
+                };
+                let axis = Axis { origin, z: direction, x, y };
+                groups.push(Group { axis, members: vec![Member { request: k, scale, phase: 0.0, sense: 1.0 }] });
             }
         }
     }
@@ -117,11 +118,25 @@ fn is_on_axis(request: &CircleRequest, direction: &Vec3, axis: &Axis, tolerance:
         })
 }
 
-fn place_in(axis: &Axis, request: usize, x: &Vec3, y: &Vec3) -> Member {
-    let phase = angle::of_direction(x.dot(&axis.x), x.dot(&axis.y));
-    let (c, s) = angle::cos_sin(phase);
-    let sense = if y.dot(&(axis.y * c - axis.x * s)) >= 0.0 { 1.0 } else { -1.0 };
-    Member { request, phase, sense }
+/// Where a request's circles lie in an axis; `None` if they are no circles there (of ellipses: similar and parallel ones).
+fn place_in(axis: &Axis, number: usize, request: &CircleRequest, tolerance: f64) -> Option<Member> {
+    let [x, y, _] = request.place.axes;
+    let tolerance = tolerance.max(SIMILAR);
+    // Images of the local directions in the coordinates of the axis.
+    let (xx, xy, yy) = (axis.x.norm_squared(), axis.x.dot(&axis.y), axis.y.norm_squared());
+    let determinant = xx * yy - xy * xy;
+    let inner = |v: &Vec3| {
+        let (a, b) = (v.dot(&axis.x), v.dot(&axis.y));
+        [(a * yy - b * xy) / determinant, (b * xx - a * xy) / determinant]
+    };
+    let ([a, b], [c, d]) = (inner(&x), inner(&y));
+    let scale = libm::hypot(a, b);
+    let sense = if a * d - b * c >= 0.0 { 1.0 } else { -1.0 };
+    let is_turned = (c + sense * b).abs() <= tolerance * scale && (d - sense * a).abs() <= tolerance * scale;
+    let is_in_plane = |v: &Vec3, [a, b]: [f64; 2]| (v - (axis.x * a + axis.y * b)).norm() <= tolerance * v.norm();
+    let is_alike = is_turned && is_in_plane(&x, [a, b]) && is_in_plane(&y, [c, d]);
+    let scale = request.place.circle_scale().unwrap_or(scale);
+    is_alike.then(|| Member { request: number, scale, phase: angle::of_direction(a, b), sense })
 }
 
 /// Ordered canonical degrees; non-negative numbers are ordered as their bits.
@@ -139,7 +154,14 @@ fn find_near(known: &Degrees, degrees: f64, reach: f64) -> Option<f64> {
     nearest.filter(|d| distance(*d) <= reach)
 }
 
-fn divide_group(group: &Group, members: &[Member], requests: &[CircleRequest], tolerance: f64, circles: &mut [Option<Circle>]) {
+fn divide_group(
+    axis: &Axis,
+    group: usize,
+    members: &[Member],
+    requests: &[CircleRequest],
+    tolerance: f64,
+    circles: &mut [Option<Circle>],
+) {
     let of = |m: &Member| &requests[m.request];
     let radius = members.iter().map(|m| of(m).radius * of(m).place.axes[0].norm()).fold(0.0, f64::max);
     let segments = members.iter().map(|m| of(m).segments).max().unwrap_or(3);
@@ -162,12 +184,17 @@ fn divide_group(group: &Group, members: &[Member], requests: &[CircleRequest], t
         } else {
             walk(&all, from, Some(to), member.sense)
         };
-        circles[member.request] = Some(place_circle(&group.axis, member, request, breakpoints, segments));
+        circles[member.request] = Some(place_circle((axis, group), member, request, breakpoints, segments));
     }
 }
 
-fn place_circle(axis: &Axis, member: &Member, request: &CircleRequest, breakpoints: Vec<Breakpoint>, segments: u32) -> Circle {
-    let scale = request.place.circle_scale();
+fn place_circle(
+    (axis, group): (&Axis, usize),
+    member: &Member,
+    request: &CircleRequest,
+    breakpoints: Vec<Breakpoint>,
+    segments: u32,
+) -> Circle {
     let own = request.place.point(request.center[0], request.center[1], 0.0);
     let z = request.place.axes[2].normalize();
     let begin = breakpoints.first().map_or(0.0, |b| angle::canonical(member.sense * (b.degrees - member.phase)));
@@ -175,8 +202,9 @@ fn place_circle(axis: &Axis, member: &Member, request: &CircleRequest, breakpoin
         place: request.place.clone(),
         center: request.center,
         axis: axis.clone(),
-        scale: scale.unwrap_or(1.0),
-        is_own_axis: scale.is_none() || own == axis.origin && (z == axis.z || z == -axis.z),
+        group,
+        scale: member.scale,
+        is_own_axis: own == axis.origin && (z == axis.z || z == -axis.z),
         sense: member.sense,
         start: if request.is_full() { angle::tidy(begin) } else { request.start },
         breakpoints,

@@ -70,6 +70,8 @@ pub(crate) struct Circle {
     pub center: [f64; 2],
     /// The common axis.
     pub axis: Axis,
+    /// Its number: circles with the same have their breakpoints in common.
+    pub group: usize,
     /// From local radii to lengths along `axis.x`.
     pub scale: f64,
     /// Whether the leaf's own axis is the common one bit for bit.
@@ -101,6 +103,16 @@ impl Circle {
         self.on_axis(own) + (self.axis.x * (r * c) + self.axis.y * (r * s))
     }
 
+    /// The point of the common axis at local height `z`.
+    pub fn axis_point(&self, z: f64) -> Vec3 {
+        self.on_axis(self.place.point(self.center[0], self.center[1], z))
+    }
+
+    /// From local radii to lengths in the scene; a mean of them for an ellipse.
+    pub fn length(&self) -> f64 {
+        self.scale * (self.axis.x.norm() * self.axis.y.norm()).sqrt()
+    }
+
     /// The nearest point of the common axis.
     fn on_axis(&self, own: Vec3) -> Vec3 {
         if self.is_own_axis {
@@ -108,10 +120,5 @@ impl Circle {
         }
         let away = own - self.axis.origin;
         own - (away - self.axis.z * away.dot(&self.axis.z))
-    }
-
-    /// The axis' degrees `by` further than a breakpoint in the leaf's order.
-    pub fn degrees_after(&self, from: &Breakpoint, by: f64) -> f64 {
-        angle::canonical(from.degrees + self.sense * by)
     }
 }

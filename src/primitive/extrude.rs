@@ -8,6 +8,7 @@ use super::profile;
 use super::sweep::{Piece, Station, Sweep};
 use crate::diag::Diagnostic;
 use crate::scene::model::{Frame, Leaf, Path2, Profile};
+use std::collections::BTreeMap;
 
 /// A profile to extrude.
 pub(crate) struct Extrusion<'a> {
@@ -43,6 +44,7 @@ impl Extrusion<'_> {
             has_axis: false,
             faces_forwards: true,
             is_triangulated: self.leaf.is_triangulated,
+            levels: BTreeMap::new(),
         })
     }
 }

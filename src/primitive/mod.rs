@@ -2,9 +2,11 @@
 //!
 //! Reads [`Scene`], gives one solid per leaf to `contact`. Steps:
 //! 1. every leaf says which circles and ellipsoids it wants divided, and how finely;
-//! 2. those about one axis are divided alike ([`axis`]), ellipsoids written twice become one ([`ellipsoid`]);
-//! 3. every leaf is built on its own: planar solids ([`block`]), sweeps of profiles ([`sweep`] for extrusions, revolutions and
-//!    paths; curved panels in [`panel`]), octahedra ([`ellipsoid`]), files ([`import`]).
+//! 2. those about one axis are divided alike ([`axis`]), arcs of profiles that are turned about it likewise, ellipsoids written
+//!    twice become one ([`ellipsoid`]);
+//! 3. cylinders and cones that are to be triangles are cut alike where they are one surface ([`levels`]);
+//! 4. every leaf is built on its own: planar solids ([`block`]), sweeps of profiles ([`sweep`] for extrusions, revolutions and
+//!    paths; curved panels in [`panel`] and [`ruled`]), octahedra ([`ellipsoid`]), files ([`import`]).
 //!
 //! Example: `Cone { bottom_radius: 45, top_radius: 45, height: 100 }` at 24 segments becomes two 24-gons (`bottom`, `top`) and
 //! 24 rectangles of the one surface `side`.
@@ -17,12 +19,16 @@ mod division;
 mod ellipsoid;
 mod extrude;
 mod import;
+mod levels;
 mod outline;
 mod panel;
 mod path_sweep;
 mod place;
 mod profile;
 mod revolve;
+mod rows;
+mod ruled;
+mod rulings;
 mod shell;
 pub mod solid;
 mod sweep;
@@ -36,6 +42,8 @@ use path_sweep::PathSweep;
 use rayon::prelude::*;
 use revolve::Revolution;
 use solid::Solid;
+use std::collections::BTreeMap;
+use sweep::Sweep;
 
 /// What a leaf wants divided.
 enum Request {
@@ -60,9 +68,38 @@ pub fn build(scene: &Scene) -> Outcome<Vec<Solid>> {
     let requests = collect(scene.leaves.as_slice().iter().map(|leaf| request(leaf).map_err(|e| named(e, leaf))))?;
     let divided = divide(requests, scene.tolerance);
     let leaves: Vec<(&Leaf, Divided)> = scene.leaves.iter().zip(divided).collect();
+    let meridians = meridians(&leaves, scene.tolerance)?;
+    let ready: Vec<((&Leaf, Divided), Vec<Circle>)> = leaves.into_iter().zip(meridians).collect();
+    let drafts: Vec<Result<Draft, Diagnostic>> =
+        ready.into_par_iter().map(|((leaf, divided), arcs)| draft(leaf, divided, &arcs).map_err(|e| named(e, leaf))).collect();
+    let mut drafts = collect(drafts.into_iter())?;
+    let mut sweeps: Vec<&mut Sweep> = drafts.iter_mut().filter_map(Draft::sweep).collect();
+    levels::divide(&mut sweeps, scene.tolerance);
+    let leaves: Vec<(&Leaf, Draft)> = scene.leaves.iter().zip(drafts).collect();
     let solids: Vec<Result<Solid, Diagnostic>> =
-        leaves.into_par_iter().map(|(leaf, divided)| build_leaf(leaf, divided).map_err(|e| named(e, leaf))).collect();
+        leaves.into_par_iter().map(|(leaf, draft)| draft.build().map_err(|e| named(e, leaf))).collect();
     collect(solids.into_iter())
+}
+
+/// A leaf that is ready to be built.
+enum Draft {
+    Sweep(Box<Sweep>),
+    Solid(Solid),
+}
+
+impl Draft {
+    fn sweep(&mut self) -> Option<&mut Sweep> {
+        match self {
+            Self::Sweep(sweep) => Some(sweep),
+            Self::Solid(_) => None,
+        }
+    }
+    fn build(self) -> Result<Solid, Diagnostic> {
+        match self {
+            Self::Sweep(sweep) => sweep.build(),
+            Self::Solid(solid) => Ok(solid),
+        }
+    }
 }
 
 fn collect<T>(results: impl Iterator<Item = Result<T, Diagnostic>>) -> Outcome<Vec<T>> {
@@ -142,26 +179,53 @@ fn divide(requests: Vec<Request>, tolerance: f64) -> Vec<Divided> {
     counts.into_iter().filter_map(give).collect()
 }
 
-fn build_leaf(leaf: &Leaf, divided: Divided) -> Result<Solid, Diagnostic> {
+/// The arcs of the profiles of revolutions, divided: those about one axis with the same centre in its half plane alike.
+fn meridians(leaves: &[(&Leaf, Divided)], tolerance: f64) -> Outcome<Vec<Vec<Circle>>> {
+    let arcs = |(leaf, divided): &(&Leaf, Divided)| match (revolution(leaf), divided) {
+        (Some(revolution), Divided::Circles(circles)) => match &circles[..] {
+            [circle] => Ok(revolution.meridians(circle)?.into_iter().map(|arc| (circle.group, arc)).collect()),
+            _ => Ok(Vec::new()),
+        },
+        _ => Ok(Vec::new()),
+    };
+    let requests: Vec<Vec<(usize, CircleRequest)>> = collect(leaves.iter().map(|l| arcs(l).map_err(|e| named(e, l.0))))?;
+    let mut by_axis: BTreeMap<usize, Vec<(usize, CircleRequest)>> = BTreeMap::new();
+    for (leaf, (axis, arc)) in requests.into_iter().enumerate().flat_map(|(k, arcs)| arcs.into_iter().map(move |a| (k, a))) {
+        by_axis.entry(axis).or_default().push((leaf, arc));
+    }
+    let mut divided: Vec<Vec<Circle>> = leaves.iter().map(|_| Vec::new()).collect();
+    for arcs in by_axis.into_values() {
+        let (owners, arcs): (Vec<usize>, Vec<CircleRequest>) = arcs.into_iter().unzip();
+        for (leaf, circle) in owners.into_iter().zip(axis::divide(&arcs, tolerance)) {
+            divided[leaf].push(circle);
+        }
+    }
+    Ok(divided)
+}
+
+fn draft(leaf: &Leaf, divided: Divided, meridians: &[Circle]) -> Result<Draft, Diagnostic> {
     let mut circles = match divided {
-        Divided::Ellipsoid(ellipsoid) => return Ok(ellipsoid.build()),
+        Divided::Ellipsoid(ellipsoid) => return Ok(Draft::Solid(ellipsoid.build())),
         Divided::Circles(circles) => circles,
     };
+    let sweep = |sweep| Draft::Sweep(Box::new(sweep));
     if let Some(revolution) = revolution(leaf) {
         let circle = circles.pop().ok_or_else(|| Diagnostic::internal("no-circle", "a revolution lost its circle"))?;
-        return revolution.sweep(circle)?.build();
+        return revolution.sweep(circle, meridians).map(sweep);
     }
     match &leaf.primitive {
-        Primitive::Block { lo, hi } => Ok(block::block(lo, hi, &leaf.transform)),
-        Primitive::Pyramid { frame, base, apex } => block::pyramid(frame, base, apex, &leaf.transform),
+        Primitive::Block { lo, hi } => Ok(Draft::Solid(block::block(lo, hi, &leaf.transform))),
+        Primitive::Pyramid { frame, base, apex } => block::pyramid(frame, base, apex, &leaf.transform).map(Draft::Solid),
         Primitive::Extrusion { frame, profile, length } => {
-            Extrusion { leaf, frame, profile, length: *length }.sweep(circles)?.build()
+            Extrusion { leaf, frame, profile, length: *length }.sweep(circles).map(sweep)
         }
-        Primitive::PathSweep { frame, profile, path } => PathSweep { leaf, frame, profile, path }.sweep(circles)?.build(),
-        Primitive::Import { path, scale } => import::import(leaf, path, *scale),
+        Primitive::PathSweep { frame, profile, path } => PathSweep { leaf, frame, profile, path }.sweep(circles).map(sweep),
+        Primitive::Import { path, scale } => import::import(leaf, path, *scale).map(Draft::Solid),
         _ => Err(Diagnostic::internal("unbuilt-primitive", "a primitive has no builder")),
     }
 }
 
+#[cfg(test)]
+mod levels_tests;
 #[cfg(test)]
 mod tests;

@@ -18,6 +18,8 @@ pub(crate) struct OutlineVertex {
     pub on_circle: Option<OnCircle>,
     /// Whether the direction of the chain jumps there.
     pub is_corner: bool,
+    /// Whether an arc about the same centre begins or ends there, in this leaf or another.
+    pub is_hard: bool,
 }
 
 /// A point of a shared circle.
@@ -69,8 +71,8 @@ pub(crate) struct Outline {
 pub(crate) enum Rule<'a> {
     /// Arcs by the leaf's circles, which are taken in order from `next`.
     Shared { circles: &'a [Circle], next: usize },
-    /// Arcs on their own; no edge longer than `longest`; lines into rows of height `row` unless they are level.
-    Own { division: &'a Division, scale: f64, longest: f64, row: Option<f64> },
+    /// Arcs on their own; no edge longer than `longest`.
+    Own { division: &'a Division, scale: f64, longest: f64 },
 }
 
 /// Counter-clockwise range of an arc from `from` to `to`: first angle and sweep in degrees; 360 if the ends coincide.
@@ -106,17 +108,14 @@ impl Outline {
             outline.push(from);
             let name = segment.name.clone().unwrap_or_else(|| name(k));
             let mut arc = None;
-            match &segment.arc {
-                Some(a) => {
-                    if from == segment.end {
-                        if path.segments.len() > 1 || !path.is_closed {
-                            return Err(bad("a full circle must be the only segment of a closed chain", from));
-                        }
-                        outline.vertices.clear();
+            if let Some(a) = &segment.arc {
+                if from == segment.end {
+                    if path.segments.len() > 1 || !path.is_closed {
+                        return Err(bad("a full circle must be the only segment of a closed chain", from));
                     }
-                    arc = Some(outline.push_arc(a, from, segment.end, rule)?);
+                    outline.vertices.clear();
                 }
-                None => outline.push_line(from, segment.end, rule)?,
+                arc = Some(outline.push_arc(a, from, segment.end, rule)?);
             }
             outline.runs.push(Run { first, count: outline.vertices.len() - first, arc, name });
             from = segment.end;
@@ -130,21 +129,7 @@ impl Outline {
     }
 
     fn push(&mut self, xy: [f64; 2]) {
-        self.vertices.push(OutlineVertex { xy, on_circle: None, is_corner: false });
-    }
-
-    fn push_line(&mut self, a: [f64; 2], b: [f64; 2], rule: &Rule) -> Result<(), Diagnostic> {
-        let Rule::Own { row: Some(row), .. } = rule else { return Ok(()) };
-        if a[1] == b[1] {
-            return Ok(());
-        }
-        let rows = super::panel::rows(distance(a, b), *row);
-        check_count(rows)?;
-        for k in 1..rows as u32 {
-            let t = f64::from(k) / rows;
-            self.push([a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t]);
-        }
-        Ok(())
+        self.vertices.push(OutlineVertex { xy, on_circle: None, is_corner: false, is_hard: false });
     }
 
     /// Pushes the inner vertices of an arc (all vertices of a full circle).
@@ -153,32 +138,34 @@ impl Outline {
         let (start, sweep) = range_of(arc, from, to);
         let is_full = sweep >= 360.0;
         let mut run = RunArc { center: arc.center, radius, is_ccw: arc.is_ccw, circle: None };
-        let mut points: Vec<(f64, Option<f64>)> = Vec::new();
+        let mut points: Vec<(f64, Option<f64>, bool)> = Vec::new();
         match rule {
             Rule::Shared { circles, next } => {
                 let circle = &circles[*next];
                 run.circle = Some(*next);
                 *next += 1;
-                points.extend(circle.breakpoints.iter().map(|b| (circle.start + b.along, Some(b.degrees))));
+                points.extend(circle.breakpoints.iter().map(|b| (circle.start + b.along, Some(b.degrees), b.is_hard)));
             }
-            Rule::Own { division, scale, longest, .. } => {
+            Rule::Own { division, scale, longest } => {
                 let segments = f64::from(division::segments(division, radius * *scale)?);
                 let parts = (sweep * segments / 360.0 * (1.0 - 1e-12)).ceil();
                 let parts = parts.max((sweep.to_radians() * radius / *longest * (1.0 - 1e-12)).ceil());
+                // An even number reads the same from its start either way round.
+                let parts = if is_full { 2.0 * (parts * 0.5).ceil() } else { parts };
                 check_count(parts)?;
                 let last = parts as u32 - u32::from(is_full);
-                points.extend((0..=last).map(|k| (start + sweep * f64::from(k) / parts, None)));
+                points.extend((0..=last).map(|k| (start + sweep * f64::from(k) / parts, None, false)));
             }
         }
         if !arc.is_ccw {
             points.reverse();
         }
         let inner = if is_full { &points[..] } else { &points[1..points.len() - 1] };
-        for &(local, degrees) in inner {
+        for &(local, degrees, is_hard) in inner {
             let (c, s) = angle::cos_sin(local);
             let xy = [arc.center[0] + radius * c, arc.center[1] + radius * s];
             let on_circle = run.circle.zip(degrees).map(|(circle, degrees)| OnCircle { circle, degrees, radius });
-            self.vertices.push(OutlineVertex { xy, on_circle, is_corner: false });
+            self.vertices.push(OutlineVertex { xy, on_circle, is_corner: false, is_hard });
         }
         Ok(run)
     }

@@ -3,7 +3,6 @@
 use super::circle::{Breakpoint, Circle, CircleRequest};
 use super::extrude;
 use super::outline::{Outline, OutlineVertex, Rule, Run};
-use super::panel::ROW_PER_CHORD;
 use super::place::Place;
 use super::profile;
 use super::revolve::bounds;
@@ -12,7 +11,7 @@ use crate::diag::Diagnostic;
 use crate::geom::Vec3;
 use crate::geom::polygon::vector_area;
 use crate::scene::model::{Frame, Leaf, Path2, Profile};
-use std::f64::consts::TAU;
+use std::collections::BTreeMap;
 
 /// Mitres of sharper corners reach more than 10 times as far as the profile (cosine of the turn; 169 degrees).
 const SHARPEST_MITRE: f64 = -0.98;
@@ -44,11 +43,8 @@ impl PathSweep<'_> {
     pub fn sweep(&self, circles: Vec<Circle>) -> Result<Sweep, Diagnostic> {
         let place = Place::new(self.frame, &self.leaf.transform);
         let path = Outline::new(self.path, |_| String::new(), &mut Rule::Shared { circles: &circles, next: 0 })?;
-        // Rows and chords of the profile go by the path's chords, as around an axis.
-        let chord = circles.iter().zip(&path_radii(&path)).map(|(c, r)| TAU * r / f64::from(c.segments)).reduce(f64::min);
-        let row = chord.filter(|_| self.leaf.is_triangulated).map(|c| ROW_PER_CHORD * c);
         let scale = place.axes[0].norm().max(place.axes[2].norm());
-        let mut rule = Rule::Own { division: &self.leaf.division, scale, longest: f64::INFINITY, row };
+        let mut rule = Rule::Own { division: &self.leaf.division, scale, longest: f64::INFINITY };
         let loops = profile::divide(self.profile, &mut rule)?;
         let n = path.vertices.len();
         let stations = (0..n).map(|v| station(&path, &circles, v)).collect::<Result<Vec<_>, _>>()?;
@@ -73,6 +69,7 @@ impl PathSweep<'_> {
             has_axis: false,
             faces_forwards: false,
             is_triangulated: self.leaf.is_triangulated,
+            levels: BTreeMap::new(),
         };
         self.check(&sweep)?;
         Ok(sweep)
@@ -89,7 +86,7 @@ impl PathSweep<'_> {
             }
         }
         let parallel = |x: f64| -> Vec<Vec3> {
-            let vertex = OutlineVertex { xy: [x, 0.0], on_circle: None, is_corner: false };
+            let vertex = OutlineVertex { xy: [x, 0.0], on_circle: None, is_corner: false, is_hard: false };
             sweep.stations.iter().map(|s| sweep.point(&vertex, s)).collect()
         };
         let (mut right, mut left) = (parallel(hi[0]), parallel(lo[0]));
@@ -112,10 +109,6 @@ impl PathSweep<'_> {
 fn area_vector(chain: &[Vec3]) -> Vec3 {
     let walk: Vec<u32> = (0..chain.len() as u32).collect();
     vector_area([&walk[..]], chain)
-}
-
-fn path_radii(path: &Outline) -> Vec<f64> {
-    path.runs.iter().filter_map(|r| r.arc.map(|a| a.radius)).collect()
 }
 
 /// The runs that end and begin at a vertex.

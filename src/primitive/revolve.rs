@@ -4,12 +4,13 @@ use super::angle;
 use super::circle::{Circle, CircleRequest};
 use super::division;
 use super::outline::{Outline, Rule};
-use super::panel::ROW_PER_CHORD;
 use super::place::Place;
 use super::profile;
 use super::sweep::{Piece, Station, Sweep, Turn};
 use crate::diag::Diagnostic;
+use crate::geom::{Affine, Vec3};
 use crate::scene::model::{Arc2, Frame, Leaf, Path2, Profile, Segment2};
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 /// Profile points nearer to the axis than this fraction of the largest radius lie on it: rounding only.
@@ -73,15 +74,31 @@ impl Revolution<'_> {
         })
     }
 
-    /// The sweep, on its divided circle.
-    pub fn sweep(&self, circle: Circle) -> Result<Sweep, Diagnostic> {
+    /// The arcs of its profile, outer chain first, in the half plane of the axis: x is the distance from it, y the height along
+    /// it.
+    pub fn meridians(&self, circle: &Circle) -> Result<Vec<CircleRequest>, Diagnostic> {
+        let place = &circle.place;
+        let along = |v: Vec3| v.dot(&circle.axis.z);
+        let origin = Vec3::new(0.0, along(place.origin - circle.axis.origin), 0.0);
+        let (x, y) = (Vec3::x() * circle.length(), Vec3::y() * along(place.axes[2]));
+        let half_plane = Place::new(&Frame { origin, x, y, z: Vec3::z() }, &Affine::identity());
+        let chord = TAU * bounds(&self.profile.outer).1[0] / f64::from(circle.segments);
+        let mut requests = Vec::new();
+        for path in std::iter::once(&self.profile.outer).chain(&self.profile.holes) {
+            super::extrude::arcs(path, &half_plane, self.leaf, [0.0, 0.0], 0.0, &mut requests)?;
+        }
+        for request in &mut requests {
+            let chords = (TAU * request.radius / (TALLEST * chord) * (1.0 - 1e-12)).ceil();
+            request.segments = request.segments.max(chords.min(f64::from(division::MAX_SEGMENTS)) as u32);
+        }
+        Ok(requests)
+    }
+
+    /// The sweep, on its divided circle, with the divided arcs of its profile.
+    pub fn sweep(&self, circle: Circle, meridians: &[Circle]) -> Result<Sweep, Diagnostic> {
         let place = circle.place.clone();
         let radius = bounds(&self.profile.outer).1[0];
-        let chord = TAU * radius / f64::from(circle.segments);
-        let scale = place.axes[0].norm().max(place.axes[2].norm());
-        let row = self.leaf.is_triangulated.then_some(ROW_PER_CHORD * chord);
-        let mut rule = Rule::Own { division: &self.leaf.division, scale, longest: TALLEST * chord, row };
-        let mut loops = profile::divide(&self.profile, &mut rule)?;
+        let mut loops = profile::divide(&self.profile, &mut Rule::Shared { circles: meridians, next: 0 })?;
         for vertex in loops.iter_mut().flat_map(|l: &mut Outline| &mut l.vertices) {
             if vertex.xy[0] <= ON_AXIS * radius {
                 vertex.xy[0] = 0.0;
@@ -105,6 +122,7 @@ impl Revolution<'_> {
             has_axis: true,
             faces_forwards: false,
             is_triangulated: self.leaf.is_triangulated,
+            levels: BTreeMap::new(),
         })
     }
 }

@@ -2,18 +2,21 @@
 
 use super::solid::{Freedom, Shape, Solid, SolidFacet, SolidSurface, SolidVertex};
 use crate::geom::Vec3;
+use std::collections::HashMap;
 
 /// Collects vertices, surfaces and facets; facets are given as if nothing were mirrored.
 #[derive(Debug)]
 pub(crate) struct Shell {
     solid: Solid,
     is_reversed: bool,
+    /// Vertices inside edges, from the lower number to the higher.
+    cuts: HashMap<[u32; 2], Vec<u32>>,
 }
 
 impl Shell {
     /// An empty shell; `is_reversed` turns every facet over.
     pub fn new(is_reversed: bool) -> Self {
-        Self { solid: Solid::default(), is_reversed }
+        Self { solid: Solid::default(), is_reversed, cuts: HashMap::new() }
     }
     pub fn vertex(&mut self, point: Vec3, freedom: Freedom) -> u32 {
         self.solid.vertices.push(SolidVertex { point, freedom });
@@ -46,8 +49,38 @@ impl Shell {
         }
         self.solid.facets.push(SolidFacet { loops: kept, surface });
     }
+    /// Puts vertices into the edge from one vertex to another, in that order, in all facets.
+    pub fn cut(&mut self, [from, to]: [u32; 2], mut inner: Vec<u32>) {
+        if inner.is_empty() {
+            return;
+        }
+        if from > to {
+            inner.reverse();
+        }
+        self.cuts.insert([from.min(to), from.max(to)], inner);
+    }
+    /// The vertices inside the edge from one vertex to another, in that order, if it was cut.
+    pub fn cuts(&self, [from, to]: [u32; 2]) -> Option<Vec<u32>> {
+        let mut inner = self.cuts.get(&[from.min(to), from.max(to)])?.clone();
+        if from > to {
+            inner.reverse();
+        }
+        Some(inner)
+    }
+    fn with_cuts(&self, walk: &[u32]) -> Vec<u32> {
+        let next = |k: usize| walk[(k + 1) % walk.len()];
+        let edge = |k: usize| std::iter::once(walk[k]).chain(self.cuts([walk[k], next(k)]).into_iter().flatten());
+        (0..walk.len()).flat_map(edge).collect()
+    }
     /// The solid; vertices that no facet uses (centres of discs) are dropped.
     pub fn finish(mut self) -> Solid {
+        if !self.cuts.is_empty() {
+            let mut facets = std::mem::take(&mut self.solid.facets);
+            for walk in facets.iter_mut().flat_map(|f| &mut f.loops) {
+                *walk = self.with_cuts(walk);
+            }
+            self.solid.facets = facets;
+        }
         let mut number = vec![None; self.solid.vertices.len()];
         for &v in self.solid.facets.iter().flat_map(|f| f.loops.iter().flatten()) {
             number[v as usize] = Some(0);

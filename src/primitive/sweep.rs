@@ -8,17 +8,20 @@
 //! | line | one polygon | strips; one polygon for the whole motion if the line lies in the plane of the motion |
 //! | arc | strips | triangles ([`super::panel`]) |
 //!
-//! With `is_triangulated` the curved strips become triangles too. Profile coordinates: x to the right of the direction of
+//! Curved strips for which there are [`Levels`] become triangles too ([`super::ruled`]). Profile coordinates: x to the right of the direction of
 //! travel, y up, so that a counter-clockwise profile faces backwards.
 
 use super::circle::{Breakpoint, Circle};
 use super::division::check_count;
+use super::levels::Levels;
 use super::outline::{OnCircle, Outline, OutlineVertex, Run};
 use super::place::Place;
+use super::rulings::Key;
 use super::shell::Shell;
 use super::solid::{Freedom, Shape, Solid};
 use crate::diag::Diagnostic;
 use crate::geom::Vec3;
+use std::collections::BTreeMap;
 
 /// A line of a profile is level if its ends differ in height by less than this fraction of its coordinates: rounding only.
 const LEVEL: f64 = 4.0 * f64::EPSILON;
@@ -79,7 +82,10 @@ pub(crate) struct Sweep {
     pub has_axis: bool,
     /// Whether the profile faces forwards instead (extrusion).
     pub faces_forwards: bool,
+    /// Whether its curved strips are to be triangles.
     pub is_triangulated: bool,
+    /// How those that are triangles are cut, also because others are that share their surface.
+    pub levels: BTreeMap<Key, Levels>,
 }
 
 /// A sweep while its facets are made.
@@ -88,8 +94,6 @@ pub(super) struct Maker<'a> {
     pub shell: Shell,
     /// Vertices by loop, profile vertex and station, as far as they are made.
     grid: Vec<Vec<u32>>,
-    /// Vertices between a station and the next, by loop, profile vertex and station (triangulated straight pieces only).
-    between: std::collections::HashMap<(usize, usize, usize), Vec<u32>>,
 }
 
 impl Sweep {
@@ -102,10 +106,10 @@ impl Sweep {
         check_count(edges as f64 * self.stations.len() as f64)?;
         let grid = self.loops.iter().map(|l| vec![NO_VERTEX; l.vertices.len() * self.stations.len()]).collect();
         let shell = Shell::new(self.faces_forwards != self.place.is_mirrored());
-        let mut maker = Maker { sweep: self, shell, grid, between: Default::default() };
+        let mut maker = Maker { sweep: self, shell, grid };
         for l in 0..self.loops.len() {
-            for run in &self.loops[l].runs {
-                maker.side(l, run)?;
+            for r in 0..self.loops[l].runs.len() {
+                maker.side(l, r)?;
             }
         }
         if !self.is_closed {
@@ -126,6 +130,16 @@ impl Sweep {
             Station::OnCircle { circle, degrees, offset, sense } => self.circles[circle].point(degrees, offset + sense * x, y),
             Station::Mitre { origin, right } => self.place.point(origin[0] + right[0] * x, origin[1] + right[1] * x, y),
         }
+    }
+
+    /// Whether a run sweeps a plane, all round, or nothing.
+    pub fn is_flat(&self, outline: &Outline, run: &Run) -> bool {
+        self.is_on_axis(outline, run) || self.is_level(outline, run)
+    }
+
+    /// Whether a run lies on the axis of revolution.
+    fn is_on_axis(&self, outline: &Outline, run: &Run) -> bool {
+        self.has_axis && run.arc.is_none() && ends(outline, run).iter().all(|v| v.xy[0] == 0.0)
     }
 
     /// Whether the line of a run lies in the plane of the motion.
@@ -194,32 +208,33 @@ impl Sweep {
     }
 }
 
-fn ends<'a>(outline: &'a Outline, run: &Run) -> [&'a OutlineVertex; 2] {
+/// The first and the last vertex of a run.
+pub(super) fn ends<'a>(outline: &'a Outline, run: &Run) -> [&'a OutlineVertex; 2] {
     let n = outline.vertices.len();
     [&outline.vertices[run.first], &outline.vertices[(run.first + run.count) % n]]
 }
 
 impl Maker<'_> {
     /// All facets that one run of the profile sweeps.
-    fn side(&mut self, l: usize, run: &Run) -> Result<(), Diagnostic> {
+    fn side(&mut self, l: usize, r: usize) -> Result<(), Diagnostic> {
         let sweep = self.sweep;
         let outline = &sweep.loops[l];
-        if sweep.has_axis && run.arc.is_none() && ends(outline, run).iter().all(|v| v.xy[0] == 0.0) {
+        let run = &outline.runs[r];
+        if sweep.is_on_axis(outline, run) {
             return Ok(());
         }
         if sweep.is_level(outline, run) {
             self.level(l, run);
             return Ok(());
         }
-        for piece in &sweep.pieces {
+        for (p, piece) in sweep.pieces.iter().enumerate() {
             let shape = sweep.shape(outline, run, piece);
             let surface = self.shell.surface(&run.name, shape);
-            match (&run.arc, &piece.turn) {
-                (None, None) => self.planar(l, run, piece, surface),
-                (Some(_), Some(turn)) => self.turned_panel(l, run, piece, turn, surface)?,
-                (None, Some(turn)) if sweep.is_triangulated => self.turned_panel(l, run, piece, turn, surface)?,
-                (Some(_), None) if sweep.is_triangulated => self.straight_panel(l, run, piece, surface)?,
-                _ => self.strips(l, run, piece, surface),
+            match (&run.arc, &piece.turn, sweep.levels.get(&(l, r, p))) {
+                (None, None, _) => self.planar(l, run, piece, surface),
+                (Some(arc), Some(turn), _) => self.turned_arc(l, (run, arc), (piece, turn), surface)?,
+                (_, _, Some(levels)) => self.level_curves((l, run), piece, surface, levels)?,
+                (_, _, None) => self.strips(l, run, piece, surface),
             }
         }
         Ok(())
@@ -255,26 +270,9 @@ impl Maker<'_> {
         if is_smooth { Freedom::Surface } else { Freedom::Fixed }
     }
 
-    /// Vertices of a profile vertex from station `k` to `k + 1`, both included.
-    fn step(&mut self, l: usize, i: usize, k: usize) -> Vec<u32> {
-        let n = self.sweep.loops[l].vertices.len();
-        let mut walk = vec![self.vertex(l, i, k)];
-        if let Some(inner) = self.between.get(&(l, i % n, k)) {
-            walk.extend(inner);
-        } else if self.sweep.is_triangulated {
-            let inner = self.levels(l, i % n, k);
-            walk.extend(&inner);
-            self.between.insert((l, i % n, k), inner);
-        }
-        walk.push(self.vertex(l, i, k + 1));
-        walk
-    }
-
     /// The line of a vertex past stations `first` to `last`.
-    pub fn column(&mut self, l: usize, i: usize, first: usize, last: usize) -> Vec<u32> {
-        let mut walk: Vec<u32> = (first..last).flat_map(|k| self.step(l, i, k)).collect();
-        walk.dedup();
-        walk
+    fn column(&mut self, l: usize, i: usize, first: usize, last: usize) -> Vec<u32> {
+        (first..=last).map(|k| self.vertex(l, i, k)).collect()
     }
 
     /// One polygon for the whole motion: the run is level.

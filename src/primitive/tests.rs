@@ -7,14 +7,14 @@ use crate::scene::model::*;
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
-const FRAME: Frame = Frame {
+pub(super) const FRAME: Frame = Frame {
     origin: Vec3::new(0.0, 0.0, 0.0),
     x: Vec3::new(1.0, 0.0, 0.0),
     y: Vec3::new(0.0, 1.0, 0.0),
     z: Vec3::new(0.0, 0.0, 1.0),
 };
 
-fn leaf(primitive: Primitive) -> Leaf {
+pub(super) fn leaf(primitive: Primitive) -> Leaf {
     Leaf {
         primitive,
         transform: Affine::identity(),
@@ -26,7 +26,7 @@ fn leaf(primitive: Primitive) -> Leaf {
     }
 }
 
-fn scene(leaves: Vec<Leaf>) -> Scene {
+pub(super) fn scene(leaves: Vec<Leaf>) -> Scene {
     Scene {
         name: "test".into(),
         unit: "mm".into(),
@@ -70,7 +70,7 @@ fn volume(solid: &Solid) -> f64 {
 }
 
 /// Every invariant of a solid; gives V - E + F - (loops - facets), which is 2 (shells - handles).
-fn check(solid: &Solid) -> i64 {
+pub(super) fn check(solid: &Solid) -> i64 {
     let p = points(solid);
     let size = p.iter().map(|v| v.amax()).fold(0.0, f64::max);
     let mut edges: BTreeMap<(u32, u32), i32> = BTreeMap::new();
@@ -102,7 +102,7 @@ fn check(solid: &Solid) -> i64 {
     p.len() as i64 - edges.len() as i64 / 2 + solid.facets.len() as i64 - holes
 }
 
-fn smallest_angle(solid: &Solid, side: &str) -> f64 {
+pub(super) fn smallest_angle(solid: &Solid, side: &str) -> f64 {
     let p = points(solid);
     let mut smallest = 180f64;
     for f in solid.facets.iter().filter(|f| solid.surfaces[f.surface as usize].side == side) {
@@ -129,7 +129,7 @@ fn cylinder(radius: f64, height: f64) -> Primitive {
     Primitive::Cone { frame: FRAME, bottom_radius: radius, top_radius: radius, height }
 }
 
-fn polygon(points: &[[f64; 2]]) -> Path2 {
+pub(super) fn polygon(points: &[[f64; 2]]) -> Path2 {
     let segment = |end| Segment2 { end, arc: None, name: None };
     let mut segments: Vec<Segment2> = points[1..].iter().copied().map(segment).collect();
     segments.push(segment(points[0]));
@@ -158,7 +158,7 @@ fn rounded(lo: [f64; 2], hi: [f64; 2], r: f64) -> Path2 {
     Path2 { start: [lo[0] + r, lo[1]], segments, is_closed: true }
 }
 
-fn plain(outer: Path2) -> Profile {
+pub(super) fn plain(outer: Path2) -> Profile {
     Profile { outer, holes: vec![] }
 }
 

@@ -5,7 +5,7 @@ use super::child::{self, Ending, Folder, Limits};
 use super::find::Program;
 use super::input::Input;
 use super::place::Place;
-use super::{explain, read, verify};
+use super::{explain, read, runaway, verify};
 use crate::diag::{Diagnostic, Outcome};
 use crate::io::mesh::{Mesh, RegionNumber};
 use crate::io::poly;
@@ -28,11 +28,20 @@ pub struct Options {
     pub time: Duration,
     /// Largest address space of TetGen, in bytes.
     pub memory: u64,
+    /// Told what is being tried, attempt by attempt.
+    pub on_attempt: Option<fn(&str)>,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { ratio: 2.0, dihedral: 0.0, max_volume: None, time: Duration::from_secs(3600), memory: 16 << 30 }
+        Self {
+            ratio: 2.0,
+            dihedral: 0.0,
+            max_volume: None,
+            time: Duration::from_secs(3600),
+            memory: 16 << 30,
+            on_attempt: None,
+        }
     }
 }
 
@@ -43,6 +52,9 @@ const MOVES: [(f64, u64); 5] = [(1e-9, 1), (3e-9, 2), (1e-8, 3), (1e-7, 4), (1e-
 /// An attempt that after this time still recovers facets is held to run in circles. What is right takes under 1 ms per vertex.
 const STALL: Duration = Duration::from_secs(5);
 const STALL_PER_VERTEX: Duration = Duration::from_millis(2);
+/// After an attempt that refined without end all others may together take as long as it did, and at least this: where they do
+/// better, they are ten to a hundred times as fast, and a user waits.
+const LEAST_AFTER_RUNAWAY: Duration = Duration::from_secs(20);
 
 /// Kinds of improvements that TetGen may make in the end, as a switch, in the order in which they are tried.
 ///
@@ -57,12 +69,14 @@ pub struct Meshed {
     pub mesh: Mesh,
     /// The program that made it.
     pub program: Program,
-    /// All attempts; the last one succeeded.
+    /// All attempts; the last one succeeded, unless all meshes were refined without end.
     pub attempts: Vec<Attempt>,
     /// Volumes of the regions of the complex that was meshed.
     pub volumes: BTreeMap<RegionNumber, f64>,
     /// By how much vertices were moved, as a fraction of the size; 0 on all rungs but the last ones.
     pub moved: f64,
+    /// What may not be meant.
+    pub warnings: Vec<Diagnostic>,
 }
 
 /// One attempt.
@@ -82,55 +96,121 @@ pub struct Attempt {
 
 impl fmt::Display for Attempt {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match self.place {
-            Place::AsIs => write!(f, "as it is"),
-            Place::Turned(_) => write!(f, "turned into its main axes and back"),
-            Place::Bent(amount, _) => write!(f, "bent by {amount:e} and back"),
-            Place::Split => write!(f, "strips as triangles, no facets merged"),
-            Place::Moved(amount, _) => write!(f, "vertices moved by {amount:e} of the size"),
-        }?;
-        if self.improvements.is_empty() { Ok(()) } else { write!(f, ", no points against slivers") }
+        write!(f, "{}", told(&self.place, self.improvements))
     }
+}
+
+/// What an attempt does.
+fn told(place: &Place, improvements: &str) -> String {
+    let place = match place {
+        Place::AsIs => "as it is".into(),
+        Place::Turned(_) => "turned into its main axes and back".into(),
+        Place::Bent(amount, _) => format!("bent by {amount:e} and back"),
+        Place::Split => "strips as triangles, no facets merged".into(),
+        Place::Moved(amount, _) => format!("vertices moved by {amount:e} of the size"),
+    };
+    if improvements.is_empty() { place } else { place + ", no points against slivers" }
 }
 
 /// Meshes the complex. `programs` are as [`super::find::find`] gives them.
 ///
+/// A mesh that was refined without end ([`runaway`]) counts only if no other attempt that leaves the vertices where they are makes a
+/// better one; then the smallest of such meshes is given with a warning.
+///
 /// # Errors
 /// If no attempt yields a mesh that counts: what TetGen said, by names and coordinates.
 pub fn mesh(input: &Input, programs: &[Program], options: &Options) -> Outcome<Meshed> {
-    let mut attempts = Vec::new();
-    let mut logs = Vec::new();
+    let mut climb = Climb { attempts: Vec::new(), logs: Vec::new(), runaway: None, time: options.time };
     let task = Task { input, options };
-    for (program, place) in rungs(input, programs) {
-        if matches!(place, Place::Moved(..)) && !place.is_valid(input) {
+    'rungs: for (program, place) in rungs(input, programs) {
+        // What is exact counts more than what is small.
+        if matches!(place, Place::Moved(..)) && (climb.runaway.is_some() || !place.is_valid(input)) {
             continue;
         }
         for improvements in IMPROVEMENTS {
-            let (result, run) = match task.attempt(program, &place, improvements) {
-                Ok(done) => done,
-                Err(e) => return Err(vec![Diagnostic::error("no-tetgen", format!("{}: {e}", program.path.display()))]),
-            };
-            let verdict = match &result {
-                Ok(_) => "good".to_string(),
-                Err(faults) => faults.first().cloned().unwrap_or_default(),
-            };
-            let (version, seconds) = (program.version.clone(), run.seconds);
-            attempts.push(Attempt { place: place.clone(), improvements, version, verdict, seconds });
-            if let Ok(mesh) = result {
-                let moved = if let Place::Moved(amount, _) = place { amount } else { 0.0 };
-                let volumes = place.outcome(input).volumes();
-                return Ok(Meshed { mesh, program: program.clone(), attempts, volumes, moved });
-            }
-            logs.push(run.log);
-            match run.ending {
-                Ending::OutOfTime => return Err(vec![too_slow(options)]),
-                // Only what became a mesh may become a better one.
-                Ending::Clean => {}
-                _ => break,
+            match climb.attempt(&task, program, &place, improvements)? {
+                Next::Done(meshed) => return Ok(*meshed),
+                Next::Improvements => {}
+                Next::Rung => break,
+                Next::Stop => break 'rungs,
             }
         }
     }
-    Err(explain::explain(input, programs, options, &attempts, &logs))
+    match climb.runaway {
+        Some(meshed) => Ok(Meshed { attempts: climb.attempts, ..meshed }),
+        None => Err(explain::explain(input, programs, options, &climb.attempts, &climb.logs)),
+    }
+}
+
+/// What follows an attempt.
+enum Next {
+    Done(Box<Meshed>),
+    Improvements,
+    Rung,
+    Stop,
+}
+
+/// The attempts so far.
+struct Climb {
+    attempts: Vec<Attempt>,
+    logs: Vec<String>,
+    /// The smallest of the meshes that were refined without end.
+    runaway: Option<Meshed>,
+    /// Longest time of the next attempt.
+    time: Duration,
+}
+
+impl Climb {
+    fn attempt(&mut self, task: &Task, program: &Program, place: &Place, improvements: &'static str) -> Outcome<Next> {
+        let Task { input, options } = *task;
+        if let (Some(tell), false) = (options.on_attempt, self.attempts.is_empty()) {
+            tell(&format!("tetgen, attempt {}: {}", self.attempts.len() + 1, told(place, improvements)));
+        }
+        let (result, run) = task
+            .attempt(program, place, improvements, self.time)
+            .map_err(|e| vec![Diagnostic::error("no-tetgen", format!("{}: {e}", program.path.display()))])?;
+        let endless = result.as_ref().ok().and_then(|m| runaway::verdict(m, options.ratio, input.plc.vertices.len()));
+        let verdict = match &result {
+            Ok(_) => endless.clone().unwrap_or("good".into()),
+            Err(faults) => faults.first().cloned().unwrap_or_default(),
+        };
+        let (version, seconds) = (program.version.clone(), run.seconds);
+        self.attempts.push(Attempt { place: place.clone(), improvements, version, verdict, seconds });
+        self.logs.push(run.log);
+        let spent = Duration::from_secs_f64(run.seconds);
+        if self.runaway.is_some() {
+            self.time = self.time.saturating_sub(spent);
+        }
+        if let Ok(mesh) = result {
+            let moved = if let Place::Moved(amount, _) = place { *amount } else { 0.0 };
+            let volumes = place.outcome(input).volumes();
+            let warnings = endless.iter().map(|what| endless_refinement(what)).collect();
+            let meshed = Meshed { mesh, program: program.clone(), attempts: self.attempts.clone(), volumes, moved, warnings };
+            if endless.is_none() {
+                return Ok(Next::Done(Box::new(meshed)));
+            }
+            match &self.runaway {
+                None => self.time = spent.max(LEAST_AFTER_RUNAWAY).min(options.time),
+                Some(known) if known.mesh.tets.len() <= meshed.mesh.tets.len() => return Ok(Next::Rung),
+                Some(_) => {}
+            }
+            self.runaway = Some(meshed);
+            return Ok(Next::Rung);
+        }
+        match run.ending {
+            Ending::OutOfTime if self.runaway.is_none() => Err(vec![too_slow(options)]),
+            Ending::OutOfTime => Ok(Next::Stop),
+            // Only what became a mesh may become a better one.
+            Ending::Clean => Ok(Next::Improvements),
+            _ => Ok(Next::Rung),
+        }
+    }
+}
+
+fn endless_refinement(what: &str) -> Diagnostic {
+    Diagnostic::warning("endless-refinement", format!("TetGen {what}; no other attempt did better in as much time"))
+        .hint("edges or gaps far shorter than what is around them cost most: make them longer, or merge what they separate")
+        .hint("allow a larger --ratio, or give the parts a --max-volume that grades the mesh")
 }
 
 fn too_slow(options: &Options) -> Diagnostic {
@@ -157,19 +237,26 @@ fn rungs<'a>(input: &Input, programs: &'a [Program]) -> Vec<(&'a Program, Place)
 type Judged = Result<Mesh, Vec<String>>;
 
 /// What all attempts share.
+#[derive(Clone, Copy)]
 struct Task<'a> {
     input: &'a Input,
     options: &'a Options,
 }
 
 impl Task<'_> {
-    fn attempt(&self, program: &Program, place: &Place, improvements: &str) -> std::io::Result<(Judged, child::Run)> {
+    fn attempt(
+        &self,
+        program: &Program,
+        place: &Place,
+        improvements: &str,
+        time: Duration,
+    ) -> std::io::Result<(Judged, child::Run)> {
         let folder = Folder::new()?;
         let (marked, markers) = apart::keep_apart(&place.apply(self.input));
         let plc = limited(marked, self.options, place.distortion());
         std::fs::write(folder.path().join("m.poly"), poly::to_text(&plc, None))?;
         let stall = STALL + STALL_PER_VERTEX * plc.vertices.len() as u32;
-        let limits = Limits { time: self.options.time, stall, memory: self.options.memory };
+        let limits = Limits { time, stall, memory: self.options.memory };
         let switches = switches(&plc, self.options, place) + improvements;
         let run = child::run(&program.path, &[&switches, "m.poly"], folder.path(), &limits)?;
         Ok((self.judge(place, &markers, &run, folder.path()), run))

@@ -7,6 +7,7 @@
 //! apart   which facets TetGen must not merge
 //! child   one run: own folder, limits on time and memory, its messages kept
 //! read    .node, .ele, .face
+//! runaway whether a result is refined without end
 //! verify  what a result must satisfy to count; TetGen's exit code is not to be trusted
 //! explain its messages as diagnostics with names and coordinates
 //! ```
@@ -28,6 +29,7 @@ pub mod input;
 pub mod ladder;
 pub mod place;
 pub mod read;
+mod runaway;
 pub mod verify;
 
 pub use find::Program;
