@@ -27,9 +27,12 @@ pub fn boxes(list: &[[[f64; 3]; 2]]) -> Conforming {
             let cell = out.cells.len() as u32;
             let owner = Owner { leaf: LeafId(leaf as u32), facet: facet as u32, is_flipped: false };
             let triangles = polygon::triangulate(&[&quad], &[], &[], &out.points).unwrap();
-            out.push(Cell { sheet: cell, is_near: true, fate: Default::default() }, &[owner], &triangles);
+            let cell = Cell { facet: cell, sheet: cell, is_near: true, fate: Default::default() };
+            out.push(cell, &[owner], &triangles);
         }
     }
+    let count = out.cells.len() as u32;
+    out.pairs = (0..count).flat_map(|a| (a + 1..count).map(move |b| [a, b])).filter(|[a, b]| a / 6 != b / 6).collect();
     out
 }
 
