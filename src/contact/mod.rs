@@ -84,6 +84,8 @@ pub fn conform(
     crossings::connect(&mut body, &mut edges, &pairs, names)?;
     chords::join_walls(&mut body, &mut edges);
     let sheets = sheets::gather(&body, &mut edges, &pairs, names)?;
+    // Its memory serves what follows: fresh memory costs time.
+    drop(edges);
     let conforming = assemble::assemble(&body, sheets, tolerance, names)?;
     verify::verify(&body, &conforming, names)?;
     Ok(Conforming { trees, pairs, ..conforming })

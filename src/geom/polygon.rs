@@ -95,14 +95,17 @@ pub fn triangle(corners: [u32; 3], points: &[Vec3]) -> Result<[u32; 3], PolygonE
 /// Corners up to which a convex polygon is triangulated in quadratic time, which is then less than setting up the general way costs.
 const SMALL: usize = 32;
 
-/// Delaunay triangulation of a strictly convex polygon: beyond each edge that is reached the corner that sees it under the largest
-/// angle. `None` if it is not convex.
+/// Delaunay triangulation of a convex polygon, which may go straight on at corners: beyond each edge that is reached the corner that
+/// sees it under the largest angle. `None` if it is not convex.
 fn triangulate_convex(walk: &[u32], flat: impl Fn(u32) -> [f64; 2]) -> Option<Vec<[u32; 3]>> {
     let at: Vec<[f64; 2]> = walk.iter().map(|&v| flat(v)).collect();
     let n = at.len();
-    let is_left = |k: usize| orient2d(at[k], at[(k + 1) % n], at[(k + 2) % n]) > 0;
     // Left turns only, and only once round: one step goes from descending to ascending.
     let is_rising = |k: usize| at[k % n] < at[(k + 1) % n];
+    let is_left = |k: usize| match orient2d(at[k], at[(k + 1) % n], at[(k + 2) % n]) {
+        0 => is_rising(k) == is_rising(k + 1),
+        turn => turn > 0,
+    };
     let rounds = (0..n).filter(|&k| !is_rising(k) && is_rising(k + 1)).count();
     if rounds != 1 || !(0..n).all(is_left) {
         return None;
@@ -115,7 +118,8 @@ fn triangulate_convex(walk: &[u32], flat: impl Fn(u32) -> [f64; 2]) -> Option<Ve
             (p[0] * q[0] + p[1] * q[1]) / (p[0] * q[1] - p[1] * q[0]).abs()
         };
         // Ties (points of a circle) go by vertex number.
-        let seen = (i + 1..j).map(|k| (cotangent(k), k));
+        let beyond = (i + 1..j).filter(|&k| orient2d(at[i], at[k], at[j]) > 0);
+        let seen = beyond.map(|k| (cotangent(k), k));
         let (_, k) = seen.min_by(|a, b| a.0.total_cmp(&b.0).then(walk[a.1].cmp(&walk[b.1])))?;
         triangles.push([walk[i], walk[k], walk[j]]);
         edges.extend([[i, k], [k, j]].into_iter().filter(|e| e[1] - e[0] > 1));
@@ -295,6 +299,11 @@ mod tests {
         let p = |x: f64, y: f64| Vec3::new(x, y, 0.0);
         let points = [p(0., 0.), p(2., -1e-9), p(4., 0.), p(4., 3.), p(0., 3.)];
         let triangles = triangulate(&[&[0, 1, 2, 3, 4]], &[], &[], &points).unwrap();
+        assert_eq!(triangles, [[0, 1, 4], [1, 3, 4], [1, 2, 3]]);
+        // The corner in the middle of a side is one of a triangle.
+        let walk = [0, 1, 2, 3, 4];
+        let square = [[0., 0.], [2., 0.], [4., 0.], [4., 4.], [0., 4.]];
+        let triangles = triangulate_convex(&walk, |v| square[v as usize]).unwrap();
         assert_eq!(triangles, [[0, 1, 4], [1, 3, 4], [1, 2, 3]]);
         // A pentagram turns left at every corner, but twice round.
         let star = [0, 2, 4, 1, 3].map(|k| f64::from(k) * 0.4 * std::f64::consts::PI).map(|a| p(libm::cos(a), libm::sin(a)));
