@@ -85,7 +85,7 @@ fn overlapping_faces_become_common_pieces() {
 fn settled(upper: [[f64; 3]; 2]) -> usize {
     let input = boxes(&[[[0., 0., 0.], [4., 4., 4.]], upper]);
     let mesh = graph::Mesh::new(&input);
-    let facet = |t: u32| (mesh.leaf_of(t), mesh.owners(t)[0].facet);
+    let facet = |t: u32| (mesh.owners(t)[0].leaf.0, mesh.owners(t)[0].facet);
     // Contact would make one sheet of the cap and what stands on it.
     let compared: Vec<u32> = mesh.near.iter().copied().filter(|&t| facet(t) != (1, 0)).collect();
     let level = rests::Level::new(&mesh, &compared);

@@ -176,18 +176,22 @@ fn apex(arrangement: &Arrangement, [a, b]: [u32; 2], triangle: [u32; 3]) -> (u32
         let q = projection.apply(&points.at(v));
         ((pb[0] - pa[0]) * (q[1] - pa[1]) - (pb[1] - pa[1]) * (q[0] - pa[0])).abs()
     };
-    let mut order = triangle;
-    order.sort_by(|v, w| distance(*w).total_cmp(&distance(*v)));
-    let off = order.into_iter().find_map(|v| match points.orient2d(a, b, v, projection) {
+    let mut order = triangle.map(|v| (distance(v), v));
+    order.sort_by(|v, w| w.0.total_cmp(&v.0));
+    let off = order.into_iter().find_map(|(_, v)| match points.orient2d(a, b, v, projection) {
         0 => None,
         side => Some((v, side)),
     });
-    off.unwrap_or((order[0], 1))
+    off.unwrap_or((order[0].1, 1))
 }
 
 /// Sign of the turn about the edge from piece `i` to piece `j`: +1 if j is less than half a turn counter-clockwise; 0 if both lie
 /// in one plane.
 fn turn(arrangement: &Arrangement, i: &Fan, j: &Fan) -> Sign {
+    // Pieces of one triangle on both sides of an edge are the most frequent ones in one plane.
+    if i.triangle.contains(&j.apex) {
+        return 0;
+    }
     let at = |v: u32| &arrangement.input.points[v as usize];
     let [a, b, c] = i.triangle.map(at);
     let forward = if i.is_forward { 1 } else { -1 };

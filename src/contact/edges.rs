@@ -110,11 +110,11 @@ impl EdgeSet {
     pub fn has_many(&self, facet: u32) -> bool {
         self.own.of(facet).len() >= TREE_FROM
     }
-    /// Calls `visit` with the own edges of a facet whose boxes overlap `bounds`, ascending.
+    /// Calls `visit` with the own edges of a facet, ascending; if they are many, with those whose boxes overlap `bounds`.
     pub fn own_near(&self, facet: u32, bounds: &Aabb, visit: impl FnMut(u32)) {
         let own = self.own.of(facet);
         if !self.has_many(facet) {
-            return own.iter().copied().filter(|&e| bounds.overlaps(self.bounds(e))).for_each(visit);
+            return own.iter().copied().for_each(visit);
         }
         let mut found = Vec::new();
         if let Some(tree) = self.trees.get(&facet) {

@@ -184,9 +184,10 @@ impl Bvh {
     }
 
     fn visit_leaves(&self, PairTask(n, m): PairTask, visit: &mut impl FnMut(u32, u32) -> ControlFlow<()>) -> ControlFlow<()> {
-        let items = |k: u32| self.items_of(&self.nodes[k as usize]);
-        for (i, a) in items(n).iter().enumerate() {
-            for b in &items(m)[if n == m { i + 1 } else { 0 }..] {
+        let [own, other] = [n, m].map(|k| &self.nodes[k as usize]);
+        // Of two leaves that overlap, most items do not reach the other one.
+        for (i, a) in self.items_of(own).iter().enumerate().filter(|a| n == m || a.1.bounds.overlaps(&other.bounds)) {
+            for b in &self.items_of(other)[if n == m { i + 1 } else { 0 }..] {
                 if a.bounds.overlaps(&b.bounds) {
                     visit(a.number, b.number)?;
                 }
@@ -214,7 +215,7 @@ impl Bvh {
                 (0, _) => stack.extend([(a.first, n), (m + 1, n)]),
                 (_, 0) => stack.extend([(m, b.first), (m, n + 1)]),
                 _ => {
-                    for own in self.items_of(a) {
+                    for own in self.items_of(a).iter().filter(|own| own.bounds.is_near(&b.bounds, margin)) {
                         for its in other.items_of(b).iter().filter(|its| own.bounds.is_near(&its.bounds, margin)) {
                             if visit(own.number, its.number).is_break() {
                                 return;
