@@ -39,6 +39,7 @@ enum Touch {
 /// Gives all edges of different leaves that come within the tolerance common points, up to a fixpoint.
 pub(super) fn connect(body: &mut Body, set: &mut EdgeSet, pairs: &[[u32; 2]], names: Names) -> Outcome<()> {
     let mut meetings = meetings(body, set, pairs);
+    set.reserve(meetings.len());
     for meeting in &mut meetings {
         if let Touch::Ends(ends) = &meeting.touch {
             for &(k, s, point) in ends {

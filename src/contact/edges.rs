@@ -131,6 +131,10 @@ impl EdgeSet {
     fn is_vertex(&self, point: u32, leaf: u32) -> bool {
         point < self.welded && self.vertex_of.of(point).binary_search(&leaf).is_ok()
     }
+    /// Makes room for points that pairs of edges share.
+    pub fn reserve(&mut self, points: usize) {
+        self.inserted.reserve(2 * points);
+    }
     /// Whether `point` may become a point of the edge: it is on it already, or nowhere in the edge's leaves.
     pub fn can_insert(&self, edge: u32, point: u32) -> bool {
         let is_free = |leaf| self.inserted.get(&(point, leaf)).is_none_or(|p| *p == Place::Edge(edge));
