@@ -318,6 +318,20 @@ mod tests {
     }
 
     #[test]
+    fn what_is_finer_than_the_grid_counts() {
+        // A hole whose corner is a little inside of an edge, and a little outside.
+        let p = |x: f64, y: f64| Vec3::new(x, y, 0.0);
+        let with = |x: f64| [p(0., 0.), p(4., 0.), p(4., 4.), p(0., 4.), p(x, 2.), p(2., 3.), p(2., 1.)];
+        let loops: [&[u32]; 2] = [&[0, 1, 2, 3], &[4, 5, 6]];
+        let inside = with(1e-12);
+        let triangles = triangulate(&loops, &[], &[], &inside).unwrap();
+        assert_eq!(triangles.len(), 7);
+        assert!((area(&triangles, &inside) - 14.0).abs() < 1e-9);
+        assert!(triangles.iter().all(|t| triangle(*t, &inside).is_ok()));
+        assert_eq!(triangulate(&loops, &[], &[], &with(-1e-12)), Err(PolygonError::NotSimple));
+    }
+
+    #[test]
     fn crossing_edges_are_refused() {
         let p = |x: f64, y: f64| Vec3::new(x, y, 0.0);
         let points = [p(0., 0.), p(4., 4.), p(4., 0.), p(0., 5.)];
