@@ -5,14 +5,18 @@ use super::intersect::{Contact, intersect};
 use super::rests::{Item, Level};
 use crate::geom::aabb::Aabb;
 use crate::geom::bvh::Bvh;
+use crate::geom::hash::IndexMap;
+use crate::geom::lists::Lists;
 use rayon::prelude::*;
-use std::ops::ControlFlow;
+use std::ops::Range;
 
 /// Triangles or pairs from which on the work is shared between threads: below, handing it out costs more than it saves.
 const PARALLEL_FROM: usize = 4096;
 /// Candidate pairs that are gathered before they are looked at: enough to share between threads. Of needles that lie nearly in one
 /// plane there may be a thousand candidates to a contact, which should not all be kept.
 const BATCH: usize = 1 << 16;
+/// Triangles of one facet from which on they go into a box tree.
+const TREE_FROM: usize = 32;
 
 /// Pairs that meet, by first and then second triangle.
 #[derive(Default)]
@@ -43,73 +47,105 @@ impl Contacts {
     }
 }
 
-/// The triangles of one leaf near another and their boxes.
-type LeafTree = (Vec<Item>, Bvh);
+/// Triangles that may meet others, with their boxes, facet by facet.
+struct Facets {
+    items: Vec<Item>,
+    boxes: Vec<Aabb>,
+    /// First item of every facet, and the number of all.
+    first: Vec<usize>,
+    /// The sheet of all items of every facet, if it is one.
+    sheets: Vec<Option<u32>>,
+    /// Box trees over the items of facets that have many.
+    trees: IndexMap<u32, Bvh>,
+}
+
+impl Facets {
+    fn new(mesh: &Mesh) -> Self {
+        let input = mesh.input;
+        let facet = |t: u32| input.cells[input.cell_of_triangle[t as usize] as usize].facet;
+        let compared: Vec<u32> = mesh.near.iter().copied().filter(|&t| !mesh.fate_of(t).is_aside()).collect();
+        let count = input.pairs.iter().flatten().copied().chain(compared.iter().map(|&t| facet(t))).max().map_or(0, |f| f + 1);
+        let of = Lists::from_iter(count as usize, compared.iter().map(|&t| (facet(t), t)));
+        let level = Level::new(mesh, &compared);
+        let mut all = Self {
+            items: Vec::with_capacity(compared.len()),
+            boxes: Vec::with_capacity(compared.len()),
+            first: Vec::with_capacity(count as usize + 1),
+            sheets: Vec::with_capacity(count as usize),
+            trees: IndexMap::default(),
+        };
+        for f in 0..count {
+            let first = all.items.len();
+            all.first.push(first);
+            for &t in of.of(f) {
+                let bounds = Aabb::around(mesh.triangles[t as usize].map(|v| &input.points[v as usize]));
+                all.items.push(level.item(mesh, t, &bounds));
+                all.boxes.push(bounds);
+            }
+            let mut sheets = all.items[first..].iter().map(|item| item.sheet);
+            all.sheets.push(sheets.next().filter(|&sheet| sheets.all(|other| other == sheet)));
+            if all.items.len() - first >= TREE_FROM {
+                all.trees.insert(f, Bvh::new(all.boxes[first..].to_vec()));
+            }
+        }
+        all.first.push(all.items.len());
+        all
+    }
+
+    fn of(&self, facet: u32) -> Range<usize> {
+        self.first[facet as usize]..self.first[facet as usize + 1]
+    }
+
+    /// Calls `visit` with the triangles of two facets whose boxes overlap, unless all are of one sheet.
+    fn visit(&self, [f, g]: [u32; 2], mut visit: impl FnMut(&Item, &Item)) {
+        if self.sheets[f as usize].is_some() && self.sheets[f as usize] == self.sheets[g as usize] {
+            return;
+        }
+        let (few, many) = if self.of(f).len() <= self.of(g).len() { (f, g) } else { (g, f) };
+        let (tree, first) = (self.trees.get(&many), self.of(many).start);
+        for i in self.of(few) {
+            let mut meet = |j: usize| visit(&self.items[i], &self.items[j]);
+            match tree {
+                Some(tree) => tree.overlapping(&self.boxes[i], |k| meet(first + k as usize)),
+                None => self.of(many).filter(|&j| self.boxes[i].overlaps(&self.boxes[j])).for_each(meet),
+            }
+        }
+    }
+}
 
 /// Finds all contacts between triangles that have no leaf in common, since a leaf is valid in itself, nor a sheet, since contact
 /// has made its cells conform.
 pub fn contacts(mesh: &Mesh) -> Contacts {
-    let is_parallel = mesh.near.len() >= PARALLEL_FROM;
-    let trees = trees(mesh, is_parallel);
-    let crowd = Bvh::new(trees.iter().map(|t| t.1.bounds()).collect());
-    let mut near: Vec<[u32; 2]> = Vec::new();
-    for task in crowd.pair_tasks(1) {
-        crowd.overlapping_pairs(task, |a, b| {
-            near.push([a.min(b), a.max(b)]);
-            ControlFlow::Continue(())
-        });
-    }
-    let join = |&[a, b]: &[u32; 2]| between(mesh, &trees[a as usize], &trees[b as usize]);
-    let mut all = if is_parallel {
-        near.par_iter().map(join).reduce(Contacts::default, Contacts::append)
+    let (facets, pairs) = (Facets::new(mesh), &mesh.input.pairs);
+    let mut all = if pairs.len() >= PARALLEL_FROM {
+        let chunks = pairs.par_chunks(PARALLEL_FROM / 4);
+        chunks.map(|chunk| between(mesh, &facets, chunk)).reduce(Contacts::default, Contacts::append)
     } else {
-        near.iter().map(join).fold(Contacts::default(), Contacts::append)
+        between(mesh, &facets, pairs)
     };
     all.found.sort_unstable_by_key(|c| (c.0, c.1));
     all
 }
 
-/// Every leaf has a tree of its own, so that the many neighbours within one leaf are never looked at.
-fn trees(mesh: &Mesh, is_parallel: bool) -> Vec<LeafTree> {
-    let points = &mesh.input.points;
-    let compared: Vec<u32> = mesh.near.iter().copied().filter(|&t| !mesh.fate_of(t).is_aside()).collect();
-    let level = Level::new(mesh, &compared);
-    let mut leaves: Vec<(Vec<Item>, Vec<Aabb>)> = Vec::new();
-    for t in compared {
-        let leaf = mesh.leaf_of(t) as usize;
-        if leaves.len() <= leaf {
-            leaves.resize_with(leaf + 1, Default::default);
-        }
-        let bounds = Aabb::around(mesh.triangles[t as usize].map(|v| &points[v as usize]));
-        leaves[leaf].0.push(level.item(mesh, t, &bounds));
-        leaves[leaf].1.push(bounds);
-    }
-    if is_parallel {
-        leaves.into_par_iter().map(|(triangles, boxes)| (triangles, Bvh::new(boxes))).collect()
-    } else {
-        leaves.into_iter().map(|(triangles, boxes)| (triangles, Bvh::new(boxes))).collect()
-    }
-}
-
-/// Contacts between the triangles of two leaves, in any order.
-fn between(mesh: &Mesh, (first, tree): &LeafTree, (second, other): &LeafTree) -> Contacts {
-    let (mut found, mut pairs) = (Contacts::default(), Vec::new());
-    tree.pairs(other, 0.0, |i, j| {
-        let (mine, yours) = (&first[i as usize], &second[j as usize]);
-        // The first leaf of each is that of its tree, so they differ.
-        let may_have_common_leaf = mine.is_common || yours.is_common;
-        let is_settled = mine.sheet == yours.sheet
-            || mine.rests(yours)
-            || may_have_common_leaf && mesh.has_common_leaf(mine.triangle, yours.triangle);
-        if !is_settled {
-            let (t, u) = (mine.triangle, yours.triangle);
-            pairs.push([t.min(u), t.max(u)]);
-            if pairs.len() == BATCH {
-                found.add(mesh, &mut pairs);
+/// Contacts between the triangles of pairs of facets, in any order.
+fn between(mesh: &Mesh, facets: &Facets, pairs: &[[u32; 2]]) -> Contacts {
+    let (mut found, mut near) = (Contacts::default(), Vec::new());
+    for &pair in pairs {
+        facets.visit(pair, |mine, yours| {
+            // The first leaves of both are those of the facets, so they differ.
+            let may_have_common_leaf = mine.is_common || yours.is_common;
+            let is_settled = mine.sheet == yours.sheet
+                || mine.rests(yours)
+                || may_have_common_leaf && mesh.has_common_leaf(mine.triangle, yours.triangle);
+            if !is_settled {
+                let (t, u) = (mine.triangle, yours.triangle);
+                near.push([t.min(u), t.max(u)]);
+                if near.len() == BATCH {
+                    found.add(mesh, &mut near);
+                }
             }
-        }
-        ControlFlow::Continue(())
-    });
-    found.add(mesh, &mut pairs);
+        });
+    }
+    found.add(mesh, &mut near);
     found
 }

@@ -82,11 +82,6 @@ impl<'a> Mesh<'a> {
         self.input.cells[self.input.cell_of_triangle[t as usize] as usize].fate
     }
 
-    /// First leaf of a triangle.
-    pub fn leaf_of(&self, t: u32) -> u32 {
-        self.owners(t).first().map_or(u32::MAX, |o| o.leaf.0)
-    }
-
     /// Whether two triangles belong to a common leaf.
     pub fn has_common_leaf(&self, t: u32, u: u32) -> bool {
         let (a, b) = (self.owners(t), self.owners(u));

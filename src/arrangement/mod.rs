@@ -8,8 +8,8 @@
 //! it, without diagonals.
 //!
 //! # Steps
-//! 1. `broad_phase`: pairs of triangles of different leaves whose boxes overlap; not those of which one `rests` on the sheet of
-//!    the other.
+//! 1. `broad_phase`: pairs of triangles whose boxes overlap, of the pairs of facets that contact found near; not those of which
+//!    one `rests` on the sheet of the other.
 //! 2. `intersect`: the common points of a pair, each with its place on both.
 //! 3. `graph`: points are interned by exact equality (`point`); a point on an edge is entered in the edge, which all its triangles
 //!    share; two points of a pair make a segment, which both triangles share, or a piece of an edge.

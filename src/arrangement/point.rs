@@ -104,6 +104,8 @@ const NONE: u32 = u32::MAX;
 /// Grid cells of the interning table as a fraction of the model's size: far above rounding errors (so that a point falls into
 /// one cell almost always), far below the distance of points that differ.
 const GRID_FRACTION: f64 = 1.0 / (1u64 << 34) as f64;
+/// Offset of the grid in cells, so that planes through the origin do not lie on its lines.
+const GRID_OFFSET: [f64; 3] = [0.371, 0.433, 0.289];
 /// A rounded place worse than this fraction of the model's size is computed exactly instead.
 const WORST_ERROR: f64 = 1e-14;
 /// ... or, far from the origin, than this many units in the last place.
@@ -275,7 +277,7 @@ impl<'a> Points<'a> {
     }
 
     fn key(&self, p: &Vec3) -> [i64; 3] {
-        [0, 1, 2].map(|k| (p[k] / self.cell).floor() as i64)
+        [0, 1, 2].map(|k| (p[k] / self.cell + GRID_OFFSET[k]).floor() as i64)
     }
 
     /// Rounded place of a source, with a bound of its error.

@@ -1,8 +1,9 @@
 //! The faces of the planar graph that is drawn on each triangle.
 
 use super::SubCells;
-use super::graph::{Along, Curve, Graph, Mesh, StringPiece};
+use super::graph::{Along, Curve, Drawing, Graph, Mesh, StringPiece};
 use super::point::Points;
+use crate::geom::lists::Lists;
 use crate::geom::predicates::{Projection, Sign};
 use rayon::prelude::*;
 use std::cmp::Ordering;
@@ -47,7 +48,7 @@ struct Drawn<'a> {
     /// Points, sorted; local numbers index this list.
     nodes: Vec<u32>,
     /// Neighbours of each node in counter-clockwise order.
-    around: Vec<Vec<u32>>,
+    around: Lists,
     /// For a point inside a straight string and its neighbour there, the neighbour on the other side: what is known to be
     /// straight need not be computed, which would take big integers every time. Sorted.
     opposite: Vec<([u32; 2], u32)>,
@@ -65,7 +66,7 @@ impl<'a> Drawn<'a> {
             let on = graph.edge_points[edge as usize].iter().copied();
             if mesh.edges[edge as usize][0] == start { boundary.extend(on) } else { boundary.extend(on.rev()) }
         }
-        let empty = super::graph::Drawing::default();
+        let empty = Drawing::default();
         let drawing = graph.drawing(t).unwrap_or(&empty);
         let is_plain = drawing.points.is_empty() && drawing.strings.is_empty();
         let mut drawn = Self {
@@ -73,53 +74,55 @@ impl<'a> Drawn<'a> {
             projection: mesh.projection[t as usize],
             boundary,
             nodes: Vec::new(),
-            around: Vec::new(),
+            around: Lists::default(),
             opposite: Vec::new(),
             is_plain,
         };
         if !is_plain {
-            let mut links: Vec<[u32; 2]> = Vec::new();
-            let sides = drawn.sides(mesh.triangles[t as usize]);
-            let strings = drawing.strings.iter().map(|&string| chain_of(graph, mesh, points, string));
-            for chain in sides.into_iter().chain(strings) {
-                links.extend(chain.windows(2).map(|w| [w[0], w[1]]));
-                drawn.opposite.extend(chain.windows(3).flat_map(|w| [([w[1], w[0]], w[2]), ([w[1], w[2]], w[0])]));
-            }
-            drawn.opposite.sort_by_key(|o| o.0);
-            drawn.link(links, &drawing.points);
+            drawn.draw(mesh, graph, t, drawing);
         }
         drawn
     }
 
-    /// The boundary cut at the triangle's corners, each piece with both its ends.
-    fn sides(&self, corners: [u32; 3]) -> [Vec<u32>; 3] {
-        let place = |c: u32| self.boundary.iter().position(|&p| p == c).unwrap_or(0);
-        let [_, second, third] = corners.map(place);
-        let mut last = self.boundary[third..].to_vec();
-        last.push(self.boundary[0]);
-        [self.boundary[..=second].to_vec(), self.boundary[second..=third].to_vec(), last]
+    /// Links the points along the sides and strings.
+    fn draw(&mut self, mesh: &Mesh, graph: &Graph, t: u32, drawing: &Drawing) {
+        let (mut links, mut opposite) = (Vec::new(), Vec::new());
+        let mut add = |chain: &[u32]| {
+            links.extend(chain.windows(2).map(|w| [w[0].min(w[1]), w[0].max(w[1])]));
+            opposite.extend(chain.windows(3).flat_map(|w| [([w[1], w[0]], w[2]), ([w[1], w[2]], w[0])]));
+        };
+        let place = |corner: u32| self.boundary.iter().position(|&p| p == corner).unwrap_or(0);
+        let [_, second, third] = mesh.triangles[t as usize].map(place);
+        let mut chain: Vec<u32> = self.boundary.iter().chain(self.boundary.first()).copied().collect();
+        [&chain[..=second], &chain[second..=third], &chain[third..]].into_iter().for_each(&mut add);
+        for &string in &drawing.strings {
+            chain.clear();
+            chain_of(graph, mesh, self.points, string, &mut chain);
+            add(&chain);
+        }
+        opposite.sort_by_key(|o| o.0);
+        self.opposite = opposite;
+        self.link(links, &drawing.points);
     }
 
     fn link(&mut self, mut links: Vec<[u32; 2]>, lone: &[u32]) {
-        for l in &mut links {
-            l.sort_unstable();
-        }
         links.sort_unstable();
         links.dedup();
-        let mut nodes: Vec<u32> = links.iter().flatten().copied().chain(lone.iter().copied()).collect();
-        nodes.sort_unstable();
-        nodes.dedup();
-        let mut around = vec![Vec::new(); nodes.len()];
-        for [a, b] in links {
-            let (i, j) = (nodes.binary_search(&a).unwrap_or(0), nodes.binary_search(&b).unwrap_or(0));
-            around[i].push(j as u32);
-            around[j].push(i as u32);
-        }
-        self.nodes = nodes;
-        for (node, list) in around.iter_mut().enumerate() {
-            self.sort_around(node as u32, list);
+        self.nodes = links.as_flattened().iter().chain(lone).copied().collect();
+        self.nodes.sort_unstable();
+        self.nodes.dedup();
+        links.as_flattened_mut().iter_mut().for_each(|p| *p = self.node(*p));
+        let mut around = Lists::from_iter(self.nodes.len(), links.iter().flat_map(|&[i, j]| [(i, j), (j, i)]));
+        let mut keyed = Vec::new();
+        for node in 0..self.nodes.len() as u32 {
+            self.sort_around(node, around.of_mut(node), &mut keyed);
         }
         self.around = around;
+    }
+
+    /// Local number of a point that has one.
+    fn node(&self, point: u32) -> u32 {
+        self.nodes.binary_search(&point).unwrap_or(0) as u32
     }
 
     /// The neighbour of a point on the other side of one.
@@ -140,8 +143,8 @@ impl<'a> Drawn<'a> {
         by(self.projection.u).then_with(|| by(self.projection.v))
     }
 
-    /// Sorts neighbours counter-clockwise about `node`, beginning with the first in the list.
-    fn sort_around(&self, node: u32, list: &mut [u32]) {
+    /// Sorts neighbours counter-clockwise about `node`, beginning with the first in the list. `keyed` is room for them.
+    fn sort_around(&self, node: u32, list: &mut [u32], keyed: &mut Vec<(u8, u32)>) {
         if list.len() < 3 {
             return;
         }
@@ -158,7 +161,8 @@ impl<'a> Drawn<'a> {
                 _ => 2,
             },
         };
-        let mut keyed: Vec<(u8, u32)> = list.iter().map(|&x| (half(x), x)).collect();
+        keyed.clear();
+        keyed.extend(list.iter().map(|&x| (half(x), x)));
         keyed.sort_by(|a, b| {
             a.0.cmp(&b.0).then_with(|| match self.turn(node, a.1, b.1) {
                 1 => Ordering::Less,
@@ -166,9 +170,7 @@ impl<'a> Drawn<'a> {
                 _ => Ordering::Equal,
             })
         });
-        for (slot, (_, x)) in list.iter_mut().zip(keyed) {
-            *slot = x;
-        }
+        list.iter_mut().zip(keyed).for_each(|(slot, k)| *slot = k.1);
     }
 
     /// The pieces, outer loops first.
@@ -178,7 +180,7 @@ impl<'a> Drawn<'a> {
         }
         let loops = self.trace();
         let component = self.components();
-        let home = component[self.nodes.binary_search(&self.boundary[0]).unwrap_or(0)];
+        let home = component[self.node(self.boundary[0]) as usize];
         let outer_edges = self.outer_half_edges(&component, home);
         let (mut faces, mut rims): (Vec<Vec<u32>>, Vec<Vec<u32>>) = (Vec::new(), Vec::new());
         for walk in loops {
@@ -191,36 +193,36 @@ impl<'a> Drawn<'a> {
                 (true, true) => {} // outside of the triangle
             }
         }
-        rims.extend((0..self.nodes.len() as u32).filter(|&n| self.around[n as usize].is_empty()).map(|n| vec![n]));
-        let mut holes: Vec<Vec<usize>> = vec![Vec::new(); faces.len()];
-        for (r, rim) in rims.iter().enumerate() {
-            let face = self.face_around(rim[0], component[rim[0] as usize], &faces, &component);
-            holes[face].push(r);
-        }
-        let name = |walk: &Vec<u32>| walk.iter().map(|&n| self.nodes[n as usize]).collect::<Vec<u32>>();
-        let piece = |(f, face): (usize, &Vec<u32>)| {
-            std::iter::once(name(face)).chain(holes[f].iter().map(|&r| name(&rims[r]))).collect::<Piece>()
+        rims.extend((0..self.nodes.len() as u32).filter(|&n| self.around.of(n).is_empty()).map(|n| vec![n]));
+        let home_of = |rim: &Vec<u32>| self.face_around(rim[0], component[rim[0] as usize], &faces, &component);
+        let homes: Vec<usize> = rims.iter().map(home_of).collect();
+        let name = |mut walk: Vec<u32>| {
+            walk.iter_mut().for_each(|n| *n = self.nodes[*n as usize]);
+            walk
         };
-        faces.iter().enumerate().map(piece).collect()
+        let mut pieces: Vec<Piece> = faces.into_iter().map(|face| vec![name(face)]).collect();
+        rims.into_iter().zip(homes).for_each(|(rim, face)| pieces[face].push(name(rim)));
+        pieces
     }
 
     /// All loops of the graph, each with its face to the left.
     fn trace(&self) -> Vec<Vec<u32>> {
-        let mut is_used: Vec<Vec<bool>> = self.around.iter().map(|l| vec![false; l.len()]).collect();
+        let count = self.nodes.len() as u32;
+        let mut is_used = vec![false; self.around.range(count - 1).end];
         let mut loops = Vec::new();
-        for start in 0..self.nodes.len() {
-            for slot in 0..self.around[start].len() {
-                if is_used[start][slot] {
+        for start in 0..count {
+            for slot in self.around.range(start) {
+                if is_used[slot] {
                     continue;
                 }
                 let (mut node, mut slot, mut walk) = (start, slot, Vec::new());
-                while !std::mem::replace(&mut is_used[node][slot], true) {
-                    walk.push(node as u32);
-                    let next = self.around[node][slot] as usize;
-                    let ring = &self.around[next];
-                    let back = ring.iter().position(|&x| x == node as u32).unwrap_or(0);
+                while !std::mem::replace(&mut is_used[slot], true) {
+                    walk.push(node);
+                    let next = self.around.of(node)[slot - self.around.range(node).start];
+                    let ring = self.around.of(next);
+                    let back = ring.iter().position(|&x| x == node).unwrap_or(0);
                     // The first edge clockwise from where we came keeps the face to the left.
-                    slot = (back + ring.len() - 1) % ring.len();
+                    slot = self.around.range(next).start + (back + ring.len() - 1) % ring.len();
                     node = next;
                 }
                 loops.push(walk);
@@ -232,15 +234,15 @@ impl<'a> Drawn<'a> {
     /// Connected component of each node.
     fn components(&self) -> Vec<u32> {
         let mut component = vec![u32::MAX; self.nodes.len()];
-        let mut count = 0;
+        let (mut count, mut stack) = (0, Vec::new());
         for start in 0..self.nodes.len() {
             if component[start] != u32::MAX {
                 continue;
             }
-            let mut stack = vec![start as u32];
+            stack.push(start as u32);
             while let Some(n) = stack.pop() {
                 if std::mem::replace(&mut component[n as usize], count) == u32::MAX {
-                    stack.extend(self.around[n as usize].iter().filter(|&&m| component[m as usize] == u32::MAX));
+                    stack.extend(self.around.of(n).iter().filter(|&&m| component[m as usize] == u32::MAX));
                 }
             }
             count += 1;
@@ -260,17 +262,15 @@ impl<'a> Drawn<'a> {
                 *best = Some(n);
             }
         }
-        let node = |p: u32| self.nodes.binary_search(&p).unwrap_or(0) as u32;
         leftmost
             .into_iter()
             .enumerate()
             .map(|(c, m)| {
                 if c as u32 == home {
-                    return Some([node(self.boundary[1]), node(self.boundary[0])]);
+                    return Some([self.node(self.boundary[1]), self.node(self.boundary[0])]);
                 }
                 let m = m?;
-                let last =
-                    self.around[m as usize].iter().copied().reduce(|best, x| if self.turn(m, best, x) > 0 { x } else { best });
+                let last = self.around.of(m).iter().copied().reduce(|best, x| if self.turn(m, best, x) > 0 { x } else { best });
                 Some([m, last?])
             })
             .collect()
@@ -308,20 +308,24 @@ impl<'a> Drawn<'a> {
     }
 }
 
-/// The points of a string, from end to end.
-fn chain_of(graph: &Graph, mesh: &Mesh, points: &Points, string: StringPiece) -> Vec<u32> {
-    let all = graph.points_on(string.curve);
+/// Adds the points of a string, from end to end, to `chain`, which is empty.
+fn chain_of(graph: &Graph, mesh: &Mesh, points: &Points, string: StringPiece, chain: &mut Vec<u32>) {
     let [first, last] = graph.ends_of(mesh, string.curve);
+    chain.push(first);
+    chain.extend(graph.points_on(string.curve));
+    chain.push(last);
     if let Curve::Segment(_) = string.curve {
-        return std::iter::once(first).chain(all.iter().copied()).chain([last]).collect();
+        return;
     }
     let order = Along::new([first, last], points);
     let [a, b] = string.ends;
     let [a, b] = if order.compare(a, b, points) == Ordering::Less { [a, b] } else { [b, a] };
-    let whole: Vec<u32> = std::iter::once(first).chain(all.iter().copied()).chain([last]).collect();
-    let position = |p: u32| whole.iter().position(|&q| q == p);
+    let position = |p: u32| chain.iter().position(|&q| q == p);
     match (position(a), position(b)) {
-        (Some(i), Some(j)) if i < j => whole[i..=j].to_vec(),
-        _ => vec![a, b],
+        (Some(i), Some(j)) if i < j => {
+            chain.truncate(j + 1);
+            chain.drain(..i);
+        }
+        _ => *chain = vec![a, b],
     }
 }

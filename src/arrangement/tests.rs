@@ -27,9 +27,12 @@ pub fn boxes(list: &[[[f64; 3]; 2]]) -> Conforming {
             let cell = out.cells.len() as u32;
             let owner = Owner { leaf: LeafId(leaf as u32), facet: facet as u32, is_flipped: false };
             let triangles = polygon::triangulate(&[&quad], &[], &[], &out.points).unwrap();
-            out.push(Cell { sheet: cell, is_near: true, fate: Default::default() }, &[owner], &triangles);
+            let cell = Cell { facet: cell, sheet: cell, is_near: true, fate: Default::default() };
+            out.push(cell, &[owner], &triangles);
         }
     }
+    let count = out.cells.len() as u32;
+    out.pairs = (0..count).flat_map(|a| (a + 1..count).map(move |b| [a, b])).filter(|[a, b]| a / 6 != b / 6).collect();
     out
 }
 
@@ -82,7 +85,7 @@ fn overlapping_faces_become_common_pieces() {
 fn settled(upper: [[f64; 3]; 2]) -> usize {
     let input = boxes(&[[[0., 0., 0.], [4., 4., 4.]], upper]);
     let mesh = graph::Mesh::new(&input);
-    let facet = |t: u32| (mesh.leaf_of(t), mesh.owners(t)[0].facet);
+    let facet = |t: u32| (mesh.owners(t)[0].leaf.0, mesh.owners(t)[0].facet);
     // Contact would make one sheet of the cap and what stands on it.
     let compared: Vec<u32> = mesh.near.iter().copied().filter(|&t| facet(t) != (1, 0)).collect();
     let level = rests::Level::new(&mesh, &compared);

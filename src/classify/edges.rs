@@ -6,7 +6,7 @@ use crate::cull::Fate;
 use crate::diag::Diagnostic;
 use crate::geom::Vec3;
 use crate::geom::lists::Lists;
-use crate::geom::predicates::{Projection, Sign, orient3d};
+use crate::geom::predicates::{Sign, orient3d};
 use crate::geom::union_find::UnionFind;
 use std::cmp::Ordering;
 
@@ -110,26 +110,17 @@ impl EdgeUses {
         let corners = arrangement.cells.corners();
         let (a, b) = (corners[corner as usize], corners[self.next[corner as usize] as usize]);
         let triangle = arrangement.input.triangles[arrangement.cells.triangle[self.cell_of[corner as usize] as usize] as usize];
-        let projection = projection_of_triangle(arrangement.input, triangle);
-        let points = &arrangement.points;
-        // The corner of the triangle farthest from the line: its side is certain for the filter.
-        let (pa, pb) = (projection.apply(&points.at(a)), projection.apply(&points.at(b)));
-        let distance = |v: u32| {
-            let q = projection.apply(&points.at(v));
-            ((pb[0] - pa[0]) * (q[1] - pa[1]) - (pb[1] - pa[1]) * (q[0] - pa[0])).abs()
+        let place_of = |p: u32| triangle.iter().position(|&v| v == p);
+        let (apex, side) = match (place_of(a), place_of(b)) {
+            // Triangles turn counter-clockwise.
+            (Some(i), Some(j)) => (triangle[3 - i - j], if (i + 1) % 3 == j { 1 } else { -1 }),
+            _ => apex(arrangement, [a, b], triangle),
         };
-        let mut order = triangle;
-        order.sort_by(|v, w| distance(*w).total_cmp(&distance(*v)));
-        let off = order.into_iter().find_map(|v| match points.orient2d(a, b, v, projection) {
-            0 => None,
-            side => Some((v, side)),
-        });
-        let (apex, side) = off.unwrap_or((order[0], 1));
         let is_forward = self.is_forward[corner as usize];
         // The piece lies to the left of its own directed edge.
         let line = if is_forward { [a, b] } else { [b, a] };
         let is_live = arrangement.cells.fate_of(self.cell_of[corner as usize] as usize) == Fate::Live;
-        Fan { corner, is_forward, triangle, projection, line, apex, side, is_live }
+        Fan { corner, is_forward, triangle, line, apex, side, is_live }
     }
 
     /// Pairs of sides that face each other across an edge: twice the sub-cell, plus one for its back.
@@ -166,7 +157,6 @@ struct Fan {
     corner: u32,
     is_forward: bool,
     triangle: [u32; 3],
-    projection: Projection,
     /// Points of the edge, smaller number first.
     line: [u32; 2],
     /// A vertex of the triangle off the edge's line.
@@ -177,9 +167,31 @@ struct Fan {
     is_live: bool,
 }
 
+/// A corner of the triangle off the line through two points of it, and its side: the one farthest from the line, whose side is
+/// certain for the filter.
+fn apex(arrangement: &Arrangement, [a, b]: [u32; 2], triangle: [u32; 3]) -> (u32, Sign) {
+    let (points, projection) = (&arrangement.points, projection_of_triangle(arrangement.input, triangle));
+    let (pa, pb) = (projection.apply(&points.at(a)), projection.apply(&points.at(b)));
+    let distance = |v: u32| {
+        let q = projection.apply(&points.at(v));
+        ((pb[0] - pa[0]) * (q[1] - pa[1]) - (pb[1] - pa[1]) * (q[0] - pa[0])).abs()
+    };
+    let mut order = triangle.map(|v| (distance(v), v));
+    order.sort_by(|v, w| w.0.total_cmp(&v.0));
+    let off = order.into_iter().find_map(|(_, v)| match points.orient2d(a, b, v, projection) {
+        0 => None,
+        side => Some((v, side)),
+    });
+    off.unwrap_or((order[0].1, 1))
+}
+
 /// Sign of the turn about the edge from piece `i` to piece `j`: +1 if j is less than half a turn counter-clockwise; 0 if both lie
 /// in one plane.
 fn turn(arrangement: &Arrangement, i: &Fan, j: &Fan) -> Sign {
+    // Pieces of one triangle on both sides of an edge are the most frequent ones in one plane.
+    if i.triangle.contains(&j.apex) {
+        return 0;
+    }
     let at = |v: u32| &arrangement.input.points[v as usize];
     let [a, b, c] = i.triangle.map(at);
     let forward = if i.is_forward { 1 } else { -1 };
@@ -188,7 +200,8 @@ fn turn(arrangement: &Arrangement, i: &Fan, j: &Fan) -> Sign {
 
 /// For two pieces in one plane: +1 if they lie on the same side of the edge.
 fn alike(arrangement: &Arrangement, i: &Fan, j: &Fan) -> Sign {
-    let left = arrangement.points.orient2d(i.line[0], i.line[1], j.apex, i.projection);
+    let projection = projection_of_triangle(arrangement.input, i.triangle);
+    let left = arrangement.points.orient2d(i.line[0], i.line[1], j.apex, projection);
     (if i.is_forward { 1 } else { -1 }) * left * j.side
 }
 

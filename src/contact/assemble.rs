@@ -143,7 +143,7 @@ impl<'a> Plan<'a> {
         if let [owner] = owners
             && !owner.is_flipped
         {
-            return out.push(Cell { sheet, is_near, fate: fate(owner) }, owners, triangles);
+            return out.push(Cell { facet: self.facet(owner), sheet, is_near, fate: fate(owner) }, owners, triangles);
         }
         let (mut owners, mut triangles) = (owners.to_vec(), triangles.to_vec());
         owners.sort_unstable();
@@ -152,7 +152,8 @@ impl<'a> Plan<'a> {
             triangles.iter_mut().for_each(|t| t.swap(1, 2));
         }
         let fate = owners.iter().map(fate).find(is_known).unwrap_or_default();
-        out.push(Cell { sheet, is_near, fate }, &owners, &triangles);
+        let facet = owners.first().map_or(sheet, |o| self.facet(o));
+        out.push(Cell { facet, sheet, is_near, fate }, &owners, &triangles);
     }
 }
 

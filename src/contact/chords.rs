@@ -12,6 +12,7 @@ use super::edges::EdgeSet;
 use super::outline::Outline;
 use super::walls::Walls;
 use crate::geom::Vec3;
+use crate::geom::lists::Lists;
 
 /// Sine of the angle between facets from which they count as crossing: below, the place of their common line within the
 /// tolerance of both is arbitrary.
@@ -44,8 +45,8 @@ pub(super) fn find(body: &Body, outlines: &[Outline], sheet_of: &[u32], inside: 
     };
     let mut chords = Vec::new();
     let common = common_points(body.points.len(), uses, leaf_of, may_cross);
-    for pair in common.chunk_by(|a, b| a.0 == b.0) {
-        let facets = pair[0].0;
+    for pair in common.chunk_by(|a, b| a.pair == b.pair) {
+        let facets = pair[0].facets();
         let [f, g] = facets.map(|slot| &outlines[slot as usize]);
         let tolerance = body.tolerance(leaf_of(facets[0]), leaf_of(facets[1]));
         for ends in pieces(pair, &f.normal.cross(&g.normal), &body.points) {
@@ -67,8 +68,8 @@ pub(super) fn join_walls(body: &mut Body, set: &mut EdgeSet) {
     let may_cross =
         |f: u32, g: u32| (walls.is_divided(f) || walls.is_divided(g)) && are_crossing(&walls.normal(f), &walls.normal(g));
     let common = common_points(body.points.len(), walls.points(set), leaf_of, may_cross);
-    for pair in common.chunk_by(|a, b| a.0 == b.0) {
-        let [f, g] = pair[0].0;
+    for pair in common.chunk_by(|a, b| a.pair == b.pair) {
+        let [f, g] = pair[0].facets();
         let tolerance = body.tolerance(body.leaf_of_facet[f as usize], body.leaf_of_facet[g as usize]);
         for ends in pieces(pair, &walls.normal(f).cross(&walls.normal(g)), &body.points) {
             let chord = ends.map(|v| body.points[v as usize]);
@@ -91,13 +92,27 @@ fn are_crossing(a: &Vec3, b: &Vec3) -> bool {
     a.cross(b).norm_squared() > CROSSING_SINE * CROSSING_SINE
 }
 
+/// A point that two facets have; in the order of the facets.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Common {
+    /// The facets, ascending, as one number: those are sorted in half the time.
+    pair: u64,
+    point: u32,
+}
+
+impl Common {
+    fn facets(&self) -> [u32; 2] {
+        [(self.pair >> 32) as u32, self.pair as u32]
+    }
+}
+
 /// The common points of pairs that have at least two, sorted, from what each point is on: (point, facet).
 fn common_points(
     count: usize,
     uses: Vec<(u32, u32)>,
     leaf_of: impl Fn(u32) -> u32,
     may_cross: impl Fn(u32, u32) -> bool,
-) -> Vec<([u32; 2], u32)> {
+) -> Vec<Common> {
     // A point of one leaf is common to nothing.
     const SEVERAL: u32 = u32::MAX - 1;
     let mut leaves = vec![u32::MAX; count];
@@ -105,16 +120,16 @@ fn common_points(
         let (leaf, known) = (leaf_of(facet), &mut leaves[v as usize]);
         *known = if *known == u32::MAX || *known == leaf { leaf } else { SEVERAL };
     }
-    let mut uses = uses;
-    uses.retain(|u| leaves[u.0 as usize] == SEVERAL);
-    uses.sort_unstable();
-    uses.dedup();
-    let mut common: Vec<([u32; 2], u32)> = Vec::new();
-    for at in uses.chunk_by(|a, b| a.0 == b.0) {
-        for (k, &(point, f)) in at.iter().enumerate() {
-            let others = at[k + 1..].iter().map(|u| u.1);
-            let crossing = others.filter(|&g| leaf_of(f) != leaf_of(g) && may_cross(f, g));
-            common.extend(crossing.map(|g| ([f, g], point)));
+    let facets_at = Lists::from_iter(count, uses.iter().copied().filter(|u| leaves[u.0 as usize] == SEVERAL));
+    let (mut common, mut at): (Vec<Common>, Vec<u32>) = Default::default();
+    for point in 0..count as u32 {
+        at.clear();
+        at.extend_from_slice(facets_at.of(point));
+        at.sort_unstable();
+        at.dedup();
+        for (k, &f) in at.iter().enumerate() {
+            let crossing = at[k + 1..].iter().filter(|&&g| leaf_of(f) != leaf_of(g) && may_cross(f, g));
+            common.extend(crossing.map(|&g| Common { pair: u64::from(f) << 32 | u64::from(g), point }));
         }
     }
     common.sort_unstable();
@@ -122,12 +137,12 @@ fn common_points(
 }
 
 /// The pieces between the common points of two facets that cross along `line`, lower point first.
-fn pieces(pair: &[([u32; 2], u32)], line: &Vec3, points: &[Vec3]) -> Vec<[u32; 2]> {
+fn pieces(pair: &[Common], line: &Vec3, points: &[Vec3]) -> Vec<[u32; 2]> {
     if pair.len() < 2 {
         return Vec::new();
     }
     let (at, line) = (|v: u32| points[v as usize], line.normalize());
-    let mut along: Vec<(f64, u32)> = pair.iter().map(|p| ((at(p.1) - at(pair[0].1)).dot(&line), p.1)).collect();
+    let mut along: Vec<(f64, u32)> = pair.iter().map(|p| ((at(p.point) - at(pair[0].point)).dot(&line), p.point)).collect();
     along.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let is_along = |s: &&[(f64, u32)]| s[1].0 - s[0].0 > ALONG * (at(s[1].1) - at(s[0].1)).norm();
     along.windows(2).filter(is_along).map(|s| [s[0].1.min(s[1].1), s[0].1.max(s[1].1)]).collect()

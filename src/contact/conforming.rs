@@ -28,6 +28,9 @@ pub struct Conforming {
     pub tolerance: f64,
     /// Boxes of the facets as they came.
     pub trees: FacetTrees,
+    /// Pairs of facets of different leaves, by their numbers among all, that may have more in common than cells: their boxes, with
+    /// all that contact may have moved, overlap.
+    pub pairs: Vec<[u32; 2]>,
 }
 
 impl Conforming {
@@ -61,6 +64,8 @@ impl Conforming {
 /// A planar polygon of one or several facets.
 #[derive(Clone, Copy, Debug)]
 pub struct Cell {
+    /// Number of the facet of its first owner among all.
+    pub facet: u32,
     /// Cells of one sheet are cells of one triangulation: they share vertices and edges and nothing else.
     pub sheet: u32,
     /// Whether a facet of another leaf comes near one of its facets: nothing can cut or touch other cells.

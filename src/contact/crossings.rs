@@ -5,6 +5,7 @@ use super::candidates::PARALLEL_FROM;
 use super::edges::EdgeSet;
 use crate::diag::{Diagnostic, Name, Outcome};
 use crate::geom::Vec3;
+use crate::geom::aabb::Aabb;
 use rayon::prelude::*;
 
 /// Rounds in which points inserted into one edge may reach the next. Every round carries a point over one more edge, and a
@@ -38,6 +39,7 @@ enum Touch {
 /// Gives all edges of different leaves that come within the tolerance common points, up to a fixpoint.
 pub(super) fn connect(body: &mut Body, set: &mut EdgeSet, pairs: &[[u32; 2]], names: Names) -> Outcome<()> {
     let mut meetings = meetings(body, set, pairs);
+    set.reserve(meetings.len());
     for meeting in &mut meetings {
         if let Touch::Ends(ends) = &meeting.touch {
             for &(k, s, point) in ends {
@@ -100,8 +102,9 @@ fn meetings(body: &Body, set: &EdgeSet, pairs: &[[u32; 2]]) -> Vec<Meeting> {
 fn meetings_of_pair(body: &Body, set: &EdgeSet, [f, g]: [u32; 2], found: &mut Vec<Meeting>) {
     let tolerance = body.tolerance(body.leaf_of_facet[f as usize], body.leaf_of_facet[g as usize]);
     let (mine, yours) = (set.own.of(f), set.own.of(g));
-    let mut test = |a: u32, b: u32| {
+    let mut test = |a: u32, near: &Aabb, b: u32| {
         if a != b
+            && near.overlaps(set.bounds(b))
             && let Some(m) = meet(body, set, [a, b], tolerance)
         {
             found.push(m);
@@ -109,13 +112,14 @@ fn meetings_of_pair(body: &Body, set: &EdgeSet, [f, g]: [u32; 2], found: &mut Ve
     };
     if !set.has_many(f) && !set.has_many(g) {
         for &a in mine {
-            let own = set.bounds(a).inflated(tolerance);
-            yours.iter().filter(|&&b| own.overlaps(set.bounds(b))).for_each(|&b| test(a, b));
+            let near = set.bounds(a).inflated(tolerance);
+            yours.iter().for_each(|&b| test(a, &near, b));
         }
         return;
     }
     set.own_near(f, &body.welded_bounds(g).inflated(tolerance), |a| {
-        set.own_near(g, &set.bounds(a).inflated(tolerance), |b| test(a, b));
+        let near = set.bounds(a).inflated(tolerance);
+        set.own_near(g, &near, |b| test(a, &near, b));
     });
 }
 

@@ -110,11 +110,11 @@ impl EdgeSet {
     pub fn has_many(&self, facet: u32) -> bool {
         self.own.of(facet).len() >= TREE_FROM
     }
-    /// Calls `visit` with the own edges of a facet whose boxes overlap `bounds`, ascending.
+    /// Calls `visit` with the own edges of a facet, ascending; if they are many, with those whose boxes overlap `bounds`.
     pub fn own_near(&self, facet: u32, bounds: &Aabb, visit: impl FnMut(u32)) {
         let own = self.own.of(facet);
         if !self.has_many(facet) {
-            return own.iter().copied().filter(|&e| bounds.overlaps(self.bounds(e))).for_each(visit);
+            return own.iter().copied().for_each(visit);
         }
         let mut found = Vec::new();
         if let Some(tree) = self.trees.get(&facet) {
@@ -130,6 +130,10 @@ impl EdgeSet {
     /// Whether a point is a vertex of a leaf.
     fn is_vertex(&self, point: u32, leaf: u32) -> bool {
         point < self.welded && self.vertex_of.of(point).binary_search(&leaf).is_ok()
+    }
+    /// Makes room for points that pairs of edges share.
+    pub fn reserve(&mut self, points: usize) {
+        self.inserted.reserve(2 * points);
     }
     /// Whether `point` may become a point of the edge: it is on it already, or nowhere in the edge's leaves.
     pub fn can_insert(&self, edge: u32, point: u32) -> bool {

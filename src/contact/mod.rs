@@ -51,6 +51,10 @@ use crate::primitive::solid::Solid;
 use candidates::FacetTrees;
 use conforming::Conforming;
 
+/// Distance of facets in tolerances up to which they are looked at: the cells of each may leave its box by a tolerance, and by
+/// nearly two along an axis to which the facet is oblique.
+const NEAR: f64 = 2.0 * sheets::CHAIN_REACH;
+
 /// All leaves over common points.
 ///
 /// `pieces` tells what is known to become of the facets, if anything is: those that are set aside are compared with none.
@@ -74,13 +78,15 @@ pub fn conform(
 ) -> Outcome<Conforming> {
     let mut body = body::Body::new(solids, pieces, tolerance, leaf_tolerance, names)?;
     let widest = body.tolerances.iter().fold(0.0, |m: f64, &t| m.max(t));
-    let trees = FacetTrees::new(&body, (sheets::CHAIN_REACH * widest).max(GAP * tolerance));
-    let pairs = trees.facet_pairs(&body, |a, b| sheets::CHAIN_REACH * body.tolerance(a, b));
+    let trees = FacetTrees::new(&body, (NEAR * widest).max(GAP * tolerance));
+    let pairs = trees.facet_pairs(&body, |_, _| NEAR * widest);
     let mut edges = edges::EdgeSet::new(&body, &pairs);
     crossings::connect(&mut body, &mut edges, &pairs, names)?;
     chords::join_walls(&mut body, &mut edges);
     let sheets = sheets::gather(&body, &mut edges, &pairs, names)?;
+    // Its memory serves what follows: fresh memory costs time.
+    drop(edges);
     let conforming = assemble::assemble(&body, sheets, tolerance, names)?;
     verify::verify(&body, &conforming, names)?;
-    Ok(Conforming { trees, ..conforming })
+    Ok(Conforming { trees, pairs, ..conforming })
 }

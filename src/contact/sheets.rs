@@ -205,7 +205,9 @@ fn land(body: &Body, set: &EdgeSet, from: &Outline, onto: &Outline, slot: u32, f
     let near = onto.bounds.inflated(2.0 * CHAIN_REACH * tolerance);
     set.own_near(from.facet, &near, |edge| {
         let ends = set.edges[edge as usize].ends.map(height);
-        if ends.iter().all(|&h| h > CHAIN_REACH * tolerance) || ends.iter().all(|&h| h < -CHAIN_REACH * tolerance) {
+        let reach = CHAIN_REACH * tolerance;
+        let is_beside = ends.iter().all(|&h| h > reach) || ends.iter().all(|&h| h < -reach);
+        if is_beside || !near.overlaps(set.bounds(edge)) {
             return;
         }
         let mut previous: Option<(u32, bool)> = None;

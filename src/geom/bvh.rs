@@ -40,16 +40,28 @@ struct Item {
     number: u32,
 }
 
+/// A box by its number and its centre, seen from that of the first one.
+type Keyed = (u32, [f32; 3]);
+
 impl Bvh {
     /// The tree over `boxes`.
     pub fn new(boxes: Vec<Aabb>) -> Self {
-        let mut keyed: Vec<(u32, [f64; 3])> = boxes.iter().enumerate().map(|(k, b)| (k as u32, b.center().into())).collect();
+        // Single precision is enough to tell where to split, and half of it to move.
+        let origin = boxes.iter().find(|b| !b.is_empty()).map_or(Vec3::zeros(), Aabb::center);
+        let center = |b: &Aabb| (b.center() - origin).map(|x| x as f32).into();
+        let mut keyed: Vec<Keyed> = boxes.iter().zip(0..).map(|(b, k)| (k, center(b))).collect();
         let mut nodes = Vec::with_capacity(boxes.len() / 2 + 1);
         if !keyed.is_empty() {
             split(&mut keyed, 0, &boxes, &mut nodes);
         }
-        let item = |(number, _): (u32, [f64; 3])| Item { bounds: boxes[number as usize], number };
+        let item = |(number, _): Keyed| Item { bounds: boxes[number as usize], number };
         Self { nodes, items: keyed.into_iter().map(item).collect() }
+    }
+
+    /// Numbers the items anew in the order of the tree, so that what is near has near numbers; the old number of each.
+    pub fn renumber(&mut self) -> Vec<u32> {
+        let renumber = |(k, item): (usize, &mut Item)| std::mem::replace(&mut item.number, k as u32);
+        self.items.iter_mut().enumerate().map(renumber).collect()
     }
 
     /// Calls `visit` with the number of every box that overlaps `query`.
@@ -172,9 +184,10 @@ impl Bvh {
     }
 
     fn visit_leaves(&self, PairTask(n, m): PairTask, visit: &mut impl FnMut(u32, u32) -> ControlFlow<()>) -> ControlFlow<()> {
-        let items = |k: u32| self.items_of(&self.nodes[k as usize]);
-        for (i, a) in items(n).iter().enumerate() {
-            for b in &items(m)[if n == m { i + 1 } else { 0 }..] {
+        let [own, other] = [n, m].map(|k| &self.nodes[k as usize]);
+        // Of two leaves that overlap, most items do not reach the other one.
+        for (i, a) in self.items_of(own).iter().enumerate().filter(|a| n == m || a.1.bounds.overlaps(&other.bounds)) {
+            for b in &self.items_of(other)[if n == m { i + 1 } else { 0 }..] {
                 if a.bounds.overlaps(&b.bounds) {
                     visit(a.number, b.number)?;
                 }
@@ -202,7 +215,7 @@ impl Bvh {
                 (0, _) => stack.extend([(a.first, n), (m + 1, n)]),
                 (_, 0) => stack.extend([(m, b.first), (m, n + 1)]),
                 _ => {
-                    for own in self.items_of(a) {
+                    for own in self.items_of(a).iter().filter(|own| own.bounds.is_near(&b.bounds, margin)) {
                         for its in other.items_of(b).iter().filter(|its| own.bounds.is_near(&its.bounds, margin)) {
                             if visit(own.number, its.number).is_break() {
                                 return;
@@ -224,14 +237,14 @@ impl Bvh {
     }
 }
 
-fn split(keyed: &mut [(u32, [f64; 3])], offset: usize, boxes: &[Aabb], nodes: &mut Vec<Node>) {
+fn split(keyed: &mut [Keyed], offset: usize, boxes: &[Aabb], nodes: &mut Vec<Node>) {
     let me = nodes.len();
     nodes.push(Node { bounds: Aabb::EMPTY, first: offset as u32, count: keyed.len() as u32 });
     if keyed.len() <= LEAF_SIZE {
         nodes[me].bounds = keyed.iter().fold(Aabb::EMPTY, |b, k| b.union(&boxes[k.0 as usize]));
         return;
     }
-    let (mut lo, mut hi) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    let (mut lo, mut hi) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
     for (_, c) in keyed.iter() {
         for k in 0..3 {
             lo[k] = lo[k].min(c[k]);

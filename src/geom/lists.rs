@@ -1,5 +1,7 @@
 //! Lists by a number, without an allocation for each.
 
+use std::ops::Range;
+
 /// A numbered list of lists in one allocation.
 pub struct Lists<T = u32> {
     first: Vec<u32>,
@@ -36,13 +38,18 @@ impl<T: Copy + Default> Lists<T> {
     pub fn is_empty(&self) -> bool {
         self.items.is_empty()
     }
+    /// Where one list begins and ends among all items.
+    pub fn range(&self, list: u32) -> Range<usize> {
+        self.first[list as usize] as usize..self.first[list as usize + 1] as usize
+    }
     /// One list.
     pub fn of(&self, list: u32) -> &[T] {
-        &self.items[self.first[list as usize] as usize..self.first[list as usize + 1] as usize]
+        &self.items[self.range(list)]
     }
     /// One list, to be sorted.
     pub fn of_mut(&mut self, list: u32) -> &mut [T] {
-        &mut self.items[self.first[list as usize] as usize..self.first[list as usize + 1] as usize]
+        let range = self.range(list);
+        &mut self.items[range]
     }
 }
 

@@ -3,7 +3,7 @@
 use super::Vec3;
 use super::hash::IndexMap;
 use super::predicates::{Projection, orient2d};
-use spade::handles::FixedVertexHandle;
+use spade::handles::{DirectedEdgeHandle, FaceHandle, FixedVertexHandle, InnerTag};
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
 /// Vector area of a polygon given by its loops (outer counter-clockwise about the result, holes clockwise): half the sum of
@@ -95,14 +95,17 @@ pub fn triangle(corners: [u32; 3], points: &[Vec3]) -> Result<[u32; 3], PolygonE
 /// Corners up to which a convex polygon is triangulated in quadratic time, which is then less than setting up the general way costs.
 const SMALL: usize = 32;
 
-/// Delaunay triangulation of a strictly convex polygon: beyond each edge that is reached the corner that sees it under the largest
-/// angle. `None` if it is not convex.
+/// Delaunay triangulation of a convex polygon, which may go straight on at corners: beyond each edge that is reached the corner that
+/// sees it under the largest angle. `None` if it is not convex.
 fn triangulate_convex(walk: &[u32], flat: impl Fn(u32) -> [f64; 2]) -> Option<Vec<[u32; 3]>> {
     let at: Vec<[f64; 2]> = walk.iter().map(|&v| flat(v)).collect();
     let n = at.len();
-    let is_left = |k: usize| orient2d(at[k], at[(k + 1) % n], at[(k + 2) % n]) > 0;
     // Left turns only, and only once round: one step goes from descending to ascending.
     let is_rising = |k: usize| at[k % n] < at[(k + 1) % n];
+    let is_left = |k: usize| match orient2d(at[k], at[(k + 1) % n], at[(k + 2) % n]) {
+        0 => is_rising(k) == is_rising(k + 1),
+        turn => turn > 0,
+    };
     let rounds = (0..n).filter(|&k| !is_rising(k) && is_rising(k + 1)).count();
     if rounds != 1 || !(0..n).all(is_left) {
         return None;
@@ -115,7 +118,8 @@ fn triangulate_convex(walk: &[u32], flat: impl Fn(u32) -> [f64; 2]) -> Option<Ve
             (p[0] * q[0] + p[1] * q[1]) / (p[0] * q[1] - p[1] * q[0]).abs()
         };
         // Ties (points of a circle) go by vertex number.
-        let seen = (i + 1..j).map(|k| (cotangent(k), k));
+        let beyond = (i + 1..j).filter(|&k| orient2d(at[i], at[k], at[j]) > 0);
+        let seen = beyond.map(|k| (cotangent(k), k));
         let (_, k) = seen.min_by(|a, b| a.0.total_cmp(&b.0).then(walk[a.1].cmp(&walk[b.1])))?;
         triangles.push([walk[i], walk[k], walk[j]]);
         edges.extend([[i, k], [k, j]].into_iter().filter(|e| e[1] - e[0] > 1));
@@ -168,40 +172,78 @@ fn triangulate_general(
     vertices.sort_unstable();
     vertices.dedup();
     let slot = |v: u32| vertices.binary_search(&v).unwrap_or(0);
-    // Flush what spade would refuse as too small; orientation is checked exactly below.
-    let tidy = |x: f64| if x.abs() < spade::MIN_ALLOWED_VALUE { 0.0 } else { x };
-    let positions: Vec<Point2<f64>> = vertices
-        .iter()
-        .map(|&v| {
-            let p = flat(v);
-            Point2::new(tidy(p[0]), tidy(p[1]))
-        })
-        .collect();
-    let boundary = || loops.iter().flat_map(|w| (0..w.len()).map(move |k| [w[k], w[(k + 1) % w.len()]]));
+    let boundary: Vec<[usize; 2]> =
+        loops.iter().flat_map(|w| (0..w.len()).map(move |k| [w[k], w[(k + 1) % w.len()]].map(slot))).collect();
     let edges: Vec<[usize; 2]> =
-        boundary().chain(chains.iter().copied()).map(|[a, b]| [slot(a), slot(b)]).filter(|[a, b]| a != b).collect();
+        boundary.iter().copied().chain(chains.iter().map(|c| c.map(slot))).filter(|[a, b]| a != b).collect();
+    let at: Vec<[f64; 2]> = vertices.iter().map(|&v| flat(v)).collect();
+    let cdt = match constrained(&on_grid(&at), &edges).filter(|cdt| is_embedded(cdt, &at)) {
+        Some(cdt) => cdt,
+        None => constrained(&at, &edges).ok_or(PolygonError::NotSimple)?,
+    };
+    let inside = inside(&cdt, &boundary);
+    let triangles: Vec<[u32; 3]> = cdt
+        .inner_faces()
+        .filter(|f| inside[f.index()])
+        .map(|f| f.vertices().map(|v| vertices[FixedVertexHandle::index(&v.fix())]))
+        .collect();
+    if triangles.is_empty() { Err(PolygonError::Flat) } else { Ok(triangles) }
+}
+
+type Cdt = ConstrainedDelaunayTriangulation<Point2<f64>>;
+
+/// The triangulation with all these edges; `None` if they cross or overlap.
+fn constrained(at: &[[f64; 2]], edges: &[[usize; 2]]) -> Option<Cdt> {
+    // Flush what spade would refuse as too small; orientation is checked exactly afterwards.
+    let tidy = |x: f64| if x.abs() < spade::MIN_ALLOWED_VALUE { 0.0 } else { x };
+    let positions: Vec<Point2<f64>> = at.iter().map(|p| Point2::new(tidy(p[0]), tidy(p[1]))).collect();
     let mut is_simple = true;
-    let cdt =
-        ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(positions, edges.clone(), |_| is_simple = false)
-            .map_err(|_| PolygonError::NotSimple)?;
+    let cdt = Cdt::try_bulk_load_cdt(positions, edges.to_vec(), |_| is_simple = false).ok()?;
     // An edge through a vertex has become two.
     let handle = FixedVertexHandle::from_index;
     let is_edge = |e: &[usize; 2]| cdt.get_edge_from_neighbors(handle(e[0]), handle(e[1])).is_some();
-    if !is_simple || cdt.num_vertices() != vertices.len() || !edges.iter().all(is_edge) {
-        return Err(PolygonError::NotSimple);
-    }
+    (is_simple && cdt.num_vertices() == at.len() && edges.iter().all(is_edge)).then_some(cdt)
+}
+
+/// Steps of a grid over a figure: so few that the sign of four places about a circle, a product of four differences, is clear in
+/// `f64` unless they lie on it exactly.
+const GRID_STEPS: f64 = (1u64 << 25) as f64;
+
+/// Places moved onto a coarse grid. Corners of round parts lie on one circle to rounding, where signs need long numbers; here
+/// chance decides among triangulations that are equally good, and much faster.
+fn on_grid(at: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let Some(&origin) = at.first() else { return Vec::new() };
+    let extent = at.iter().fold(0.0, |m: f64, p| m.max((p[0] - origin[0]).abs()).max((p[1] - origin[1]).abs()));
+    // A power of two, so that nothing else is rounded.
+    let step = libm::exp2(libm::floor(libm::log2(extent)) + 1.0) / GRID_STEPS;
+    at.iter().map(|p| [0, 1].map(|k| ((p[k] - origin[k]) / step).round())).collect()
+}
+
+/// Whether a triangulation of other places is one of these too: all triangles turn left, and so does the hull.
+fn is_embedded(cdt: &Cdt, at: &[[f64; 2]]) -> bool {
+    let turn = |ends: [usize; 3]| orient2d(at[ends[0]], at[ends[1]], at[ends[2]]);
+    let is_left = |f: FaceHandle<InnerTag, Point2<f64>, (), spade::CdtEdge<()>, ()>| {
+        turn(f.vertices().map(|v| FixedVertexHandle::index(&v.fix()))) > 0
+    };
+    // The hull runs clockwise about the outer face.
+    let is_convex = |e: DirectedEdgeHandle<Point2<f64>, (), spade::CdtEdge<()>, ()>| {
+        turn([e.from(), e.to(), e.next().to()].map(|v| FixedVertexHandle::index(&v.fix()))) <= 0
+    };
+    cdt.inner_faces().all(is_left) && cdt.convex_hull().all(is_convex)
+}
+
+/// For each face whether the boundary winds round it.
+fn inside(cdt: &Cdt, boundary: &[[usize; 2]]) -> Vec<bool> {
     // Winding number of each triangle: cross from the outside, adding what each boundary edge turns.
     let mut winding: IndexMap<(usize, usize), i32> = IndexMap::default();
-    winding.reserve(2 * edges.len());
-    for [a, b] in boundary() {
-        *winding.entry((slot(a), slot(b))).or_insert(0) += 1;
-        *winding.entry((slot(b), slot(a))).or_insert(0) -= 1;
+    winding.reserve(2 * boundary.len());
+    for &[a, b] in boundary {
+        *winding.entry((a, b)).or_insert(0) += 1;
+        *winding.entry((b, a)).or_insert(0) -= 1;
     }
     let mut number = vec![None; cdt.num_all_faces()];
-    let outer = cdt.outer_face();
-    number[outer.index()] = Some(0i32);
+    number[cdt.outer_face().index()] = Some(0i32);
     let mut stack: Vec<_> = cdt.convex_hull().map(|e| if e.is_outer_edge() { e.rev() } else { e }).collect();
-    let mut inside = Vec::new();
     while let Some(e) = stack.pop() {
         let Some(face) = e.face().as_inner() else { continue };
         if number[face.index()].is_some() {
@@ -210,18 +252,9 @@ fn triangulate_general(
         let from = number[e.rev().face().index()].unwrap_or(0);
         let step = winding.get(&(e.from().fix().index(), e.to().fix().index())).copied().unwrap_or(0);
         number[face.index()] = Some(from + step);
-        if from + step > 0 {
-            inside.push(face.index());
-        }
         stack.extend(face.adjacent_edges().iter().map(|e| e.rev()));
     }
-    inside.sort_unstable();
-    let triangles: Vec<[u32; 3]> = cdt
-        .inner_faces()
-        .filter(|f| inside.binary_search(&f.index()).is_ok())
-        .map(|f| f.vertices().map(|v| vertices[FixedVertexHandle::index(&v.fix())]))
-        .collect();
-    if triangles.is_empty() { Err(PolygonError::Flat) } else { Ok(triangles) }
+    number.into_iter().map(|n| n.is_some_and(|n| n > 0)).collect()
 }
 
 #[cfg(test)]
@@ -267,6 +300,11 @@ mod tests {
         let points = [p(0., 0.), p(2., -1e-9), p(4., 0.), p(4., 3.), p(0., 3.)];
         let triangles = triangulate(&[&[0, 1, 2, 3, 4]], &[], &[], &points).unwrap();
         assert_eq!(triangles, [[0, 1, 4], [1, 3, 4], [1, 2, 3]]);
+        // The corner in the middle of a side is one of a triangle.
+        let walk = [0, 1, 2, 3, 4];
+        let square = [[0., 0.], [2., 0.], [4., 0.], [4., 4.], [0., 4.]];
+        let triangles = triangulate_convex(&walk, |v| square[v as usize]).unwrap();
+        assert_eq!(triangles, [[0, 1, 4], [1, 3, 4], [1, 2, 3]]);
         // A pentagram turns left at every corner, but twice round.
         let star = [0, 2, 4, 1, 3].map(|k| f64::from(k) * 0.4 * std::f64::consts::PI).map(|a| p(libm::cos(a), libm::sin(a)));
         assert!(triangulate_convex(&[0, 1, 2, 3, 4], |v| [star[v as usize].x, star[v as usize].y]).is_none());
@@ -277,6 +315,20 @@ mod tests {
         let p = |x: f64, y: f64| Vec3::new(x, y, 0.0);
         let points = [p(0., 4.), p(0., 0.), p(0., 3.), p(5., 2.), p(5., 4.)];
         assert_eq!(triangulate(&[&[0, 1, 2, 3, 4]], &[], &[], &points), Err(PolygonError::NotSimple));
+    }
+
+    #[test]
+    fn what_is_finer_than_the_grid_counts() {
+        // A hole whose corner is a little inside of an edge, and a little outside.
+        let p = |x: f64, y: f64| Vec3::new(x, y, 0.0);
+        let with = |x: f64| [p(0., 0.), p(4., 0.), p(4., 4.), p(0., 4.), p(x, 2.), p(2., 3.), p(2., 1.)];
+        let loops: [&[u32]; 2] = [&[0, 1, 2, 3], &[4, 5, 6]];
+        let inside = with(1e-12);
+        let triangles = triangulate(&loops, &[], &[], &inside).unwrap();
+        assert_eq!(triangles.len(), 7);
+        assert!((area(&triangles, &inside) - 14.0).abs() < 1e-9);
+        assert!(triangles.iter().all(|t| triangle(*t, &inside).is_ok()));
+        assert_eq!(triangulate(&loops, &[], &[], &with(-1e-12)), Err(PolygonError::NotSimple));
     }
 
     #[test]

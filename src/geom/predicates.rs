@@ -26,6 +26,15 @@ const ORIENT2D_ERROR: f64 = 3.330_669_062_177_372_2e-16;
 /// of the normal (b - a) x (c - a); -1 on the other side, 0 if coplanar. Exact.
 #[inline]
 pub fn orient3d(a: &Vec3, b: &Vec3, c: &Vec3, d: &Vec3) -> Sign {
+    match clear_side(a, b, c, d) {
+        0 => orient3d_in_doubt(a, b, c, d),
+        side => side,
+    }
+}
+
+/// The same if rounding leaves no doubt, else 0.
+#[inline]
+pub fn clear_side(a: &Vec3, b: &Vec3, c: &Vec3, d: &Vec3) -> Sign {
     let (ad, bd, cd) = (a - d, b - d, c - d);
     let (bc, cb) = (bd.x * cd.y, cd.x * bd.y);
     let (ca, ac) = (cd.x * ad.y, ad.x * cd.y);
@@ -34,7 +43,7 @@ pub fn orient3d(a: &Vec3, b: &Vec3, c: &Vec3, d: &Vec3) -> Sign {
     let permanent =
         (bc.abs() + cb.abs()) * ad.z.abs() + (ca.abs() + ac.abs()) * bd.z.abs() + (ab.abs() + ba.abs()) * cd.z.abs();
     // Positive when d lies below, so the sign is turned.
-    if det.abs() > ORIENT3D_ERROR * permanent { -sign(det) } else { orient3d_in_doubt(a, b, c, d) }
+    if det.abs() > ORIENT3D_ERROR * permanent { -sign(det) } else { 0 }
 }
 
 // The filters stand here, where the compiler can put them into loops; what they leave open is rare and long.
@@ -98,6 +107,7 @@ mod tests {
         assert_eq!(orient3d(&o, &x, &y, &z), 1);
         assert_eq!(orient3d(&o, &x, &y, &(-z)), -1);
         assert_eq!(orient3d(&o, &x, &y, &(x + y)), 0);
+        assert_eq!([clear_side(&o, &x, &y, &z), clear_side(&o, &x, &y, &(x + y))], [1, 0]);
     }
 
     #[test]

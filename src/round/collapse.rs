@@ -141,36 +141,34 @@ fn within(loops: &[Vec<u32>], points: &[Vec3]) -> impl Fn(&Vec3) -> bool + use<>
     }
 }
 
-/// For every used place the place that represents it.
+/// A direction in which hardly any two places of a model have the same height, of a length below 1.
+const OBLIQUE: Vec3 = Vec3::new(0.618_03, 0.414_21, 0.577_35);
+/// Heights may differ by this many times the reach where places do not: rounding takes some units in the last place from each.
+const HEIGHTS: f64 = 4.0;
+
+/// For every used place the place that represents it: the first that is near.
 fn number_places(facets: &Loops, places: &[Vec3], explicit: usize, reach: f64) -> Vec<u32> {
     let mut is_used = vec![false; places.len()];
     for &p in facets.iter().flatten().flatten() {
         is_used[p as usize] = true;
     }
     let mut number: Vec<u32> = (0..places.len() as u32).collect();
-    // A grid of twice the reach: what is near lies in at most eight cells. Only the cells that an intersection point sees matter.
-    let cell = 2.0 * reach;
-    let key = |p: usize, d: f64| [0, 1, 2].map(|k| ((places[p][k] + d) / cell).floor() as i64);
-    let cells_near = |p: usize| {
-        let (lo, hi) = (key(p, -reach), key(p, reach));
-        let line = move |x: i64, y: i64| (lo[2]..=hi[2]).map(move |z| [x, y, z]);
-        (lo[0]..=hi[0]).flat_map(move |x| (lo[1]..=hi[1]).flat_map(move |y| line(x, y)))
-    };
-    let intersections = || (explicit.min(places.len())..places.len()).filter(|&p| is_used[p]);
-    let mut grid: IndexMap<[i64; 3], Vec<u32>> = intersections().flat_map(cells_near).map(|seen| (seen, Vec::new())).collect();
-    if grid.is_empty() {
+    let used = |from: usize, to: usize| (from as u32..to as u32).filter(|&p| is_used[p as usize]);
+    let explicit = explicit.min(places.len());
+    if used(explicit, places.len()).next().is_none() {
         return number;
     }
-    for p in (0..explicit).filter(|&p| is_used[p]) {
-        if let Some(here) = grid.get_mut(&key(p, 0.0)) {
-            here.push(p as u32);
-        }
-    }
-    for p in intersections() {
-        let is_close = |q: &&u32| (places[**q as usize] - places[p]).norm() <= reach;
-        match cells_near(p).find_map(|seen| grid.get(&seen)?.iter().find(is_close).copied()) {
-            Some(q) => number[p] = q,
-            None => grid.entry(key(p, 0.0)).or_default().push(p as u32),
+    let mut by_height: Vec<(f64, u32)> = used(0, places.len()).map(|p| (places[p as usize].dot(&OBLIQUE), p)).collect();
+    by_height.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let mut rank = vec![0; places.len()];
+    by_height.iter().enumerate().for_each(|(k, &(_, p))| rank[p as usize] = k);
+    for p in used(explicit, places.len()) {
+        let (at, place) = (rank[p as usize], &places[p as usize]);
+        let is_level = |other: &&(f64, u32)| (other.0 - by_height[at].0).abs() <= HEIGHTS * reach;
+        let beside = by_height[..at].iter().rev().take_while(is_level).chain(by_height[at + 1..].iter().take_while(is_level));
+        let represents = |q: &u32| *q < p && number[*q as usize] == *q && (places[*q as usize] - place).norm() <= reach;
+        if let Some(first) = beside.map(|other| other.1).filter(represents).min() {
+            number[p as usize] = first;
         }
     }
     number

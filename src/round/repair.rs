@@ -15,10 +15,13 @@ use crate::contact::conforming::{Cell, Conforming, Owner};
 use crate::cull::Fate;
 use crate::diag::Diagnostic;
 use crate::geom::Vec3;
+use crate::geom::aabb::Aabb;
+use crate::geom::bvh::Bvh;
 use crate::geom::polygon::vector_area;
 use crate::geom::union_find::UnionFind;
-use crate::ids::{FacetId, LeafId, MarkerId, PartId, RegionId};
+use crate::ids::{FacetId, LeafId, MarkerId, PartId, RegionId, VertexId};
 use crate::select;
+use std::ops::ControlFlow;
 
 /// Rounds after which a scene is refused; nothing known needs more than three.
 pub const MAX_ROUNDS: u32 = 8;
@@ -77,7 +80,15 @@ fn soup(complex: &Complex) -> Conforming {
     for (id, facet) in complex.facets.enumerate() {
         let triangles: Vec<[u32; 3]> = facet.triangles.iter().map(|t| t.map(|v| v.0)).collect();
         let owner = Owner { leaf: LeafId(id.0), facet: 0, is_flipped: false };
-        out.push(Cell { sheet: id.0, is_near: true, fate: Fate::Live }, &[owner], &triangles);
+        out.push(Cell { facet: id.0, sheet: id.0, is_near: true, fate: Fate::Live }, &[owner], &triangles);
+    }
+    let place = |v: &VertexId| &complex.vertices[*v].point;
+    let tree = Bvh::new(complex.facets.iter().map(|f| Aabb::around(f.loops.iter().flatten().map(place))).collect());
+    for task in tree.pair_tasks(1) {
+        tree.overlapping_pairs(task, |f, g| {
+            out.pairs.push([f, g]);
+            ControlFlow::Continue(())
+        });
     }
     out
 }

@@ -9,7 +9,7 @@
 
 use super::Kind;
 use crate::geom::Vec3;
-use crate::geom::predicates::{Projection, Sign, orient2d, orient3d};
+use crate::geom::predicates::{Projection, Sign, clear_side, orient2d, orient3d};
 
 /// Two triangles with area, and for each a projection in which it is counter-clockwise.
 pub(super) struct Pair<'a> {
@@ -89,7 +89,9 @@ impl<'a> Pair<'a> {
     /// Triangles without a common vertex.
     fn apart(&self, s: [&Vec3; 3], t: [&Vec3; 3]) -> Contact {
         let [p, q] = self.projections;
-        if is_beyond_an_edge(s, p, t) {
+        // The cheapest tests first.
+        let clear = t.map(|x| clear_side(s[0], s[1], s[2], x));
+        if is_one_side(clear) || is_beyond_an_edge(s, p, t) {
             return None;
         }
         let of_t = t.map(|x| orient3d(s[0], s[1], s[2], x));

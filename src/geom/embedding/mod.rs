@@ -71,17 +71,21 @@ pub fn violations(points: &[Vec3], triangles: &[[u32; 3]], limit: usize) -> Vec<
         .take(limit)
         .collect();
     let boxes = triangles.iter().map(|t| Aabb::around(t.iter().map(|&v| &points[v as usize]))).collect();
-    let tree = Bvh::new(boxes);
+    let mut tree = Bvh::new(boxes);
+    let number = tree.renumber();
+    // Triangles in the order of the tree: pairs then lie side by side in memory.
+    let faces: Vec<([u32; 3], Option<Projection>)> =
+        number.iter().map(|&t| (triangles[t as usize], projections[t as usize])).collect();
     let search = |task| {
         let mut local = Vec::new();
         tree.overlapping_pairs(task, |s, t| {
-            let (s, t) = (s.min(t), s.max(t));
-            let (Some(p), Some(q)) = (projections[s as usize], projections[t as usize]) else {
+            let [first, second] = if number[s as usize] < number[t as usize] { [s, t] } else { [t, s] };
+            let [(s, Some(p)), (t, Some(q))] = [first, second].map(|k| faces[k as usize]) else {
                 return ControlFlow::Continue(());
             };
-            let pair = contact::Pair { points, triangles: [triangles[s as usize], triangles[t as usize]], projections: [p, q] };
+            let pair = contact::Pair { points, triangles: [s, t], projections: [p, q] };
             if let Some((kind, point)) = pair.forbidden_contact() {
-                local.push(Violation { triangles: [s, t], kind, point });
+                local.push(Violation { triangles: [first, second].map(|k| number[k as usize]), kind, point });
             }
             if local.len() < limit { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
         });
