@@ -301,12 +301,13 @@ impl Bends<'_> {
         Some(trial.vertex)
     }
 
-    /// The best of the places that some vertices may go to, and by which they mend an edge.
+    /// The best of the places that some vertices may go to, and by which the bend at an edge does less harm.
     fn best_move(&self, edge: EdgeId, vertices: &[VertexId], places: impl Fn(VertexId) -> Vec<Vec3>) -> Option<Trial> {
         let mut best: Option<(Rank, Trial)> = None;
+        let here = self.harm(edge, None);
         for &vertex in vertices {
             let trials = places(vertex).into_iter().map(|to| self.trial(vertex, to));
-            let trials: Vec<Trial> = trials.filter(|t| self.harm(edge, Some(t)) == 0).collect();
+            let trials: Vec<Trial> = trials.filter(|t| self.harm(edge, Some(t)) < here).collect();
             if trials.is_empty() {
                 continue;
             }
