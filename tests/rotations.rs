@@ -73,6 +73,19 @@ fn rotation(seed: u64) -> Affine {
     nalgebra::convert(nalgebra::Rotation3::from_axis_angle(&axis, 6.0 * f(4)))
 }
 
+/// The three exact rotations that take axes to axes in a cycle.
+fn cyclic() -> [Affine; 3] {
+    let cycle = nalgebra::Matrix3::new(0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0);
+    [0, 1, 2].map(|n| Affine::from_matrix_unchecked(cycle.pow(n).to_homogeneous()))
+}
+
+/// The middle one, the larger of two.
+fn median(counts: &[usize]) -> usize {
+    let mut sorted = counts.to_vec();
+    sorted.sort_unstable();
+    sorted.get(sorted.len() / 2).copied().unwrap_or(0)
+}
+
 /// A translation by 1000 times the size.
 fn far_away(complex: &Complex) -> Affine {
     let size = Aabb::around(complex.vertices.iter().map(|v| &v.point)).diagonal();
@@ -203,7 +216,10 @@ fn rotated_scenes_are_meshed() {
     let mut failures = Vec::new();
     for (name, set) in SCENES.iter().filter(|s| s.0.contains(&only())) {
         let scene = load(name, set);
-        let plain = mesh(&scene, &programs).unwrap_or_else(|e| panic!("{name}: {e}"));
+        // Where the axes of the scene are those of space TetGen's count still depends on which is which, by some per cent.
+        let plain = cyclic()
+            .map(|turn| mesh(&moved(&scene, &turn), &programs).unwrap_or_else(|e| panic!("{name}: {e}")).mesh.tets.len());
+        let plain = median(&plain);
         let far = far_away(&build(&scene).unwrap());
         let places = (0..rotations(MESHED_ROTATIONS)).map(rotation).chain([far]);
         let mut counts = Vec::new();
@@ -220,11 +236,10 @@ fn rotated_scenes_are_meshed() {
                 }
             }
         }
-        counts.sort_unstable();
-        let median = counts.get(counts.len() / 2).copied().unwrap_or(0);
-        println!("{name}: {} tetrahedra, median of {} places {median}; {rungs:?}", plain.mesh.tets.len(), counts.len());
-        if median as f64 > 1.1 * plain.mesh.tets.len() as f64 {
-            failures.push(format!("{name}: median of {median} tetrahedra instead of {}", plain.mesh.tets.len()));
+        let turned = median(&counts);
+        println!("{name}: {plain} tetrahedra, median of {} places {turned}; {rungs:?}", counts.len());
+        if turned as f64 > 1.1 * plain as f64 {
+            failures.push(format!("{name}: median of {turned} tetrahedra instead of {plain}"));
         }
     }
     assert!(failures.is_empty(), "{}", failures.join("\n"));
