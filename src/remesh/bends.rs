@@ -37,6 +37,8 @@ const WIDE_COSINE: f64 = 0.1045;
 const COPLANAR: f64 = 1e-13;
 /// Smallest angle, in degrees, that bringing facets into one plane may leave.
 const FLAT_KEEPS: f64 = 40.0;
+/// The same where facets must be kept from being merged: by a move that leaves decent shapes if there is one, else by any.
+const FORCED_KEEPS: [f64; 2] = [30.0, 0.0];
 /// Deviation is measured at the points of a triangle whose barycentric coordinates are multiples of one over this: vertices that
 /// left their surface for a plane add to the chords' deviation between the points that are looked at elsewhere.
 const SAMPLES: u32 = 4;
@@ -175,10 +177,11 @@ impl Workpiece {
         (foot.point - point).norm() <= allowed * self.bound.along(foot.curvature) * self.share(facet)
     }
 
-    /// What the triangles around a vertex become if it moves there; `None` if that is not allowed.
-    fn bent(&self, vertex: VertexId, ring: &Ring, to: &Vec3, is_forced: bool) -> Option<Measure> {
+    /// What the triangles around a vertex become if it moves there; `None` if that is not allowed, or if an angle gets smaller than
+    /// it was and than `keeps` degrees.
+    fn bent(&self, vertex: VertexId, ring: &Ring, to: &Vec3, keeps: f64) -> Option<Measure> {
         let before = ring.before;
-        let floor = if is_forced { 1.0 } else { before.cosine.max(cosine_of_degrees(FLAT_KEEPS)) };
+        let floor = before.cosine.max(cosine_of_degrees(keeps));
         let allowed = self.allowed(before);
         let Effect { after, .. } = ring.plan(to, floor, allowed)?;
         let is_near = ring.facets().all(|f| self.is_sampled_within(f, vertex, to, allowed));
@@ -289,9 +292,13 @@ impl Bends<'_> {
         let mut vertices: Vec<VertexId> = facets.filter_map(|f| self.work.corners(f)).flatten().collect();
         vertices.sort_unstable();
         vertices.dedup();
-        let mut best = self.best_move(edge, &vertices, |v| self.feet(v, edge));
-        for step in SLIDES.iter().filter(|_| self.is_forced) {
-            best = best.or_else(|| self.best_move(edge, &vertices, |v| self.work.slides(v, *step)));
+        let keeps: &[f64] = if self.is_forced { &FORCED_KEEPS } else { &[FLAT_KEEPS] };
+        let mut best = None;
+        for &keeps in keeps {
+            best = best.or_else(|| self.best_move(edge, &vertices, keeps, |v| self.feet(v, edge)));
+            for step in SLIDES.iter().filter(|_| self.is_forced) {
+                best = best.or_else(|| self.best_move(edge, &vertices, keeps, |v| self.work.slides(v, *step)));
+            }
         }
         let trial = best?;
         self.work.relocate(trial.vertex, trial.to);
@@ -302,7 +309,13 @@ impl Bends<'_> {
     }
 
     /// The best of the places that some vertices may go to, and by which the bend at an edge does less harm.
-    fn best_move(&self, edge: EdgeId, vertices: &[VertexId], places: impl Fn(VertexId) -> Vec<Vec3>) -> Option<Trial> {
+    fn best_move(
+        &self,
+        edge: EdgeId,
+        vertices: &[VertexId],
+        keeps: f64,
+        places: impl Fn(VertexId) -> Vec<Vec3>,
+    ) -> Option<Trial> {
         let mut best: Option<(Rank, Trial)> = None;
         let here = self.harm(edge, None);
         for &vertex in vertices {
@@ -326,7 +339,7 @@ impl Bends<'_> {
                 if best.as_ref().is_some_and(|((most, _), _)| Reverse(mended) > *most) {
                     continue;
                 }
-                let Some(after) = self.work.bent(vertex, &ring, &trial.to, self.is_forced) else { continue };
+                let Some(after) = self.work.bent(vertex, &ring, &trial.to, keeps) else { continue };
                 let rank = (Reverse(mended), after.cosine);
                 if best.as_ref().is_none_or(|b| rank < b.0) {
                     best = Some((rank, trial));
