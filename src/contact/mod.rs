@@ -53,7 +53,7 @@ use conforming::Conforming;
 
 /// Distance of facets in tolerances up to which they are looked at: the cells of each may leave its box by a tolerance, and by
 /// nearly two along an axis to which the facet is oblique.
-const NEAR: f64 = 2.0 * sheets::CHAIN_REACH;
+const NEAR: f64 = 4.0; // Twice "nearly two".
 
 /// All leaves over common points.
 ///

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 /// tolerance of each other.
 const SHEET_SHARE: f64 = 0.5;
 /// Heights above a facet, in tolerances, up to which a point that is on another facet tells of a chain.
-pub(super) const CHAIN_REACH: f64 = 2.0;
+const CHAIN_REACH: f64 = 2.0;
 
 /// Facets in one plane that overlap, with what else lies on them. Facets are given by their slots in `Sheets::outlines`.
 #[derive(Clone, Copy)]

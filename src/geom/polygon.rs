@@ -205,8 +205,8 @@ fn constrained(at: &[[f64; 2]], edges: &[[usize; 2]]) -> Option<Cdt> {
     (is_simple && cdt.num_vertices() == at.len() && edges.iter().all(is_edge)).then_some(cdt)
 }
 
-/// Steps of a grid over a figure: so few that the sign of four places about a circle, a product of four differences, is clear in
-/// `f64` unless they lie on it exactly.
+/// Steps of a grid over a figure: so few that a place moved by half a step is clearly off the circle through three others. The
+/// determinant is then some 2^75, its rounding error in `f64` 2^54; only what is nearer needs long numbers.
 const GRID_STEPS: f64 = (1u64 << 25) as f64;
 
 /// Places moved onto a coarse grid. Corners of round parts lie on one circle to rounding, where signs need long numbers; here

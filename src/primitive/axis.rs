@@ -47,14 +47,17 @@ struct Group {
     members: Vec<Member>,
 }
 
-/// Divides all requests, in order; `tolerance` is a fraction of the model's size.
-pub(crate) fn divide(requests: &[CircleRequest], tolerance: f64) -> Vec<Circle> {
-    let bounds = requests.iter().fold(Aabb::EMPTY, |b, r| {
+/// A box that holds what is divided.
+pub(crate) fn bounds<'a>(requests: impl Iterator<Item = &'a CircleRequest>) -> Aabb {
+    requests.fold(Aabb::EMPTY, |b, r| {
         let reach = r.radius * r.place.axes[0].norm();
         r.axis_ends().iter().fold(b, |b, p| b.union(&Aabb { lo: *p, hi: *p }.inflated(reach)))
-    });
-    let size = bounds.diagonal();
-    let groups = find_groups(requests, tolerance, size, bounds.center());
+    })
+}
+
+/// Divides all requests, in order; `tolerance` is a fraction of `size`, the model's.
+pub(crate) fn divide(requests: &[CircleRequest], tolerance: f64, size: f64) -> Vec<Circle> {
+    let groups = find_groups(requests, tolerance, size, bounds(requests.iter()).center());
     let mut circles: Vec<Option<Circle>> = requests.iter().map(|_| None).collect();
     let mut number = 0;
     for group in &groups {

@@ -124,10 +124,10 @@ fn profile(ruled: &Ruled, axis: &Axis) -> [[f64; 2]; 2] {
     std::array::from_fn(|k| [ruled.radii[k], (ruled.ends[k] - axis.origin).dot(&axis.z)])
 }
 
-/// Tells all sweeps how their ruled surfaces are cut; `tolerance` is a fraction of the model's size.
+/// Tells all sweeps how their ruled surfaces are cut; `reach` is the contact tolerance, a length.
 ///
 /// O(n log n) in surfaces and levels.
-pub(crate) fn divide(sweeps: &mut [&mut Sweep], tolerance: f64) {
+pub(crate) fn divide(sweeps: &mut [&mut Sweep], reach: f64) {
     let mut owners = Vec::new();
     let (mut all, mut joined) = (Vec::new(), Vec::new());
     for (s, sweep) in sweeps.iter().enumerate() {
@@ -144,8 +144,7 @@ pub(crate) fn divide(sweeps: &mut [&mut Sweep], tolerance: f64) {
     let bounds = all
         .iter()
         .fold(Aabb::EMPTY, |b, r| (0..2).fold(b, |b, k| b.union(&Aabb { lo: r.ends[k], hi: r.ends[k] }.inflated(r.radii[k]))));
-    let reach = tolerance * bounds.diagonal();
-    let (surfaces, of) = find_surfaces(&all, reach, bounds.center(), bounds.diagonal() * CELL.max(4.0 * tolerance));
+    let (surfaces, of) = find_surfaces(&all, reach, bounds.center(), (bounds.diagonal() * CELL).max(4.0 * reach));
     let mut sets = UnionFind::new(surfaces.len());
     for (a, b) in joined {
         sets.join(of[a] as u32, of[b] as u32);
@@ -184,10 +183,28 @@ fn find_surfaces(all: &[Ruled], reach: f64, center: Vec3, cell: f64) -> (Vec<Sur
     (surfaces, of)
 }
 
+/// Where heights are measured along: across the rings of an axis of the scene, to which it is oblique in a sheared leaf.
+fn across_rings(surface: &Surface) -> Vec3 {
+    let axis = &surface.axis;
+    if surface.group.is_none() {
+        return axis.z;
+    }
+    let normal = axis.x.cross(&axis.y).normalize();
+    if normal.dot(&axis.z) < 0.0 { -normal } else { normal }
+}
+
 /// The levels of the surfaces of one group.
 fn divide_group(members: &[usize], all: &[Ruled], surfaces: &[Surface], of: &[usize], reach: f64) -> Vec<(usize, Levels)> {
-    let up = surfaces[of[members[0]]].axis.z;
-    let heights = |k: usize| all[k].ends.map(|p| p.dot(&up));
+    let first = &surfaces[of[members[0]]];
+    let up = across_rings(first);
+    let own = |k: usize| all[k].ends.map(|p| p.dot(&up));
+    // A mitre ends the arcs of a profile at heights of their own. Where no axis is shared, all of a group run from end to end.
+    let [a, b] = own(members[0]);
+    let heights = |k: usize| match own(k) {
+        ends if first.group.is_some() => ends,
+        [p, q] if p < q => [a.min(b), a.max(b)],
+        _ => [a.max(b), a.min(b)],
+    };
     let mut hard: Vec<(f64, Vec3)> = Vec::new();
     let mut ends: Vec<(f64, usize, Vec3)> =
         members.iter().flat_map(|&k| [0, 1].map(|e| (heights(k)[e], k, all[k].ends[e]))).collect();

@@ -124,3 +124,30 @@ fn ellipses_about_one_axis_are_divided_alike() {
     let count = assert_alike(&solids, is_on, |angle, z| (5.0..=30.0).contains(&z) && (low - 0.1..=high + 0.1).contains(&angle));
     assert!(count > 20, "{count}");
 }
+
+/// A profile of two arcs about centres apart.
+fn lens() -> Profile {
+    let arc = |to: [f64; 2], center: [f64; 2]| Segment2 { end: to, arc: Some(Arc2 { center, is_ccw: true }), name: None };
+    let segments = vec![arc([0., 6.], [-8., 0.]), arc([0., -6.], [8., 0.])];
+    plain(Path2 { start: [0., -6.], segments, is_closed: true })
+}
+
+#[test]
+fn arcs_side_by_side_are_closed_at_mitres() {
+    let line = |to: [f64; 2]| Segment2 { end: to, arc: None, name: None };
+    let path = Path2 { start: [0., 0.], segments: vec![line([30., 0.]), line([30., 25.])], is_closed: false };
+    let wire = Primitive::PathSweep { frame: FRAME, profile: lens(), path };
+    for is_triangulated in [false, true] {
+        assert_eq!(check(&one(Leaf { is_triangulated, ..leaf(wire.clone()) })), 2);
+    }
+}
+
+#[test]
+fn arcs_side_by_side_are_closed_when_sheared() {
+    let bar = Primitive::Extrusion { frame: FRAME, profile: lens(), length: 20.0 };
+    let turned: Affine = nalgebra::convert(nalgebra::Rotation3::from_axis_angle(&Vec3::y_axis(), 0.7));
+    let long = Affine::from_matrix_unchecked(nalgebra::Matrix4::new_nonuniform_scaling(&Vec3::new(1., 1., 3.)));
+    for is_triangulated in [false, true] {
+        assert_eq!(check(&one(Leaf { is_triangulated, transform: long * turned, ..leaf(bar.clone()) })), 2);
+    }
+}

@@ -66,15 +66,17 @@ enum Divided {
 /// `too-many-facets`).
 pub fn build(scene: &Scene) -> Outcome<Vec<Solid>> {
     let requests = collect(scene.leaves.as_slice().iter().map(|leaf| request(leaf).map_err(|e| named(e, leaf))))?;
-    let divided = divide(requests, scene.tolerance);
+    let circles = requests.iter().flat_map(|r| if let Request::Circles(circles) = r { &circles[..] } else { &[] });
+    let size = axis::bounds(circles).diagonal();
+    let divided = divide(requests, scene.tolerance, size);
     let leaves: Vec<(&Leaf, Divided)> = scene.leaves.iter().zip(divided).collect();
-    let meridians = meridians(&leaves, scene.tolerance)?;
+    let meridians = meridians(&leaves, scene.tolerance, size)?;
     let ready: Vec<((&Leaf, Divided), Vec<Circle>)> = leaves.into_iter().zip(meridians).collect();
     let drafts: Vec<Result<Draft, Diagnostic>> =
         ready.into_par_iter().map(|((leaf, divided), arcs)| draft(leaf, divided, &arcs).map_err(|e| named(e, leaf))).collect();
     let mut drafts = collect(drafts.into_iter())?;
     let mut sweeps: Vec<&mut Sweep> = drafts.iter_mut().filter_map(Draft::sweep).collect();
-    levels::divide(&mut sweeps, scene.tolerance);
+    levels::divide(&mut sweeps, scene.tolerance * size);
     let leaves: Vec<(&Leaf, Draft)> = scene.leaves.iter().zip(drafts).collect();
     let solids: Vec<Result<Solid, Diagnostic>> =
         leaves.into_par_iter().map(|(leaf, draft)| draft.build().map_err(|e| named(e, leaf))).collect();
@@ -155,7 +157,7 @@ fn request(leaf: &Leaf) -> Result<Request, Diagnostic> {
 }
 
 /// Divides all circles and ellipsoids of the scene and gives them back to their leaves.
-fn divide(requests: Vec<Request>, tolerance: f64) -> Vec<Divided> {
+fn divide(requests: Vec<Request>, tolerance: f64, size: f64) -> Vec<Divided> {
     let (mut circles, mut ellipsoids, mut counts) = (Vec::new(), Vec::new(), Vec::new());
     for request in requests {
         match request {
@@ -170,7 +172,7 @@ fn divide(requests: Vec<Request>, tolerance: f64) -> Vec<Divided> {
         }
     }
     ellipsoid::unify(&mut ellipsoids, tolerance);
-    let mut circles = axis::divide(&circles, tolerance).into_iter();
+    let mut circles = axis::divide(&circles, tolerance, size).into_iter();
     let mut ellipsoids = ellipsoids.into_iter();
     let give = |count: Option<usize>| match count {
         Some(n) => Some(Divided::Circles(circles.by_ref().take(n).collect())),
@@ -180,7 +182,7 @@ fn divide(requests: Vec<Request>, tolerance: f64) -> Vec<Divided> {
 }
 
 /// The arcs of the profiles of revolutions, divided: those about one axis with the same centre in its half plane alike.
-fn meridians(leaves: &[(&Leaf, Divided)], tolerance: f64) -> Outcome<Vec<Vec<Circle>>> {
+fn meridians(leaves: &[(&Leaf, Divided)], tolerance: f64, size: f64) -> Outcome<Vec<Vec<Circle>>> {
     let arcs = |(leaf, divided): &(&Leaf, Divided)| match (revolution(leaf), divided) {
         (Some(revolution), Divided::Circles(circles)) => match &circles[..] {
             [circle] => Ok(revolution.meridians(circle)?.into_iter().map(|arc| (circle.group, arc)).collect()),
@@ -196,7 +198,7 @@ fn meridians(leaves: &[(&Leaf, Divided)], tolerance: f64) -> Outcome<Vec<Vec<Cir
     let mut divided: Vec<Vec<Circle>> = leaves.iter().map(|_| Vec::new()).collect();
     for arcs in by_axis.into_values() {
         let (owners, arcs): (Vec<usize>, Vec<CircleRequest>) = arcs.into_iter().unzip();
-        for (leaf, circle) in owners.into_iter().zip(axis::divide(&arcs, tolerance)) {
+        for (leaf, circle) in owners.into_iter().zip(axis::divide(&arcs, tolerance, size)) {
             divided[leaf].push(circle);
         }
     }

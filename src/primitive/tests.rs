@@ -42,7 +42,7 @@ pub(super) fn scene(leaves: Vec<Leaf>) -> Scene {
     }
 }
 
-fn one(leaf: Leaf) -> Solid {
+pub(super) fn one(leaf: Leaf) -> Solid {
     build(&scene(vec![leaf])).unwrap().remove(0)
 }
 

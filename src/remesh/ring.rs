@@ -183,8 +183,8 @@ impl Ring<'_> {
         is_clear.then_some(Effect { before: self.before, after })
     }
 
-    /// The directions in which the smallest angle does not fall at once from a place. It is quasi-concave: in the others it is no larger
-    /// farther away either.
+    /// The directions in which the smallest angle does not fall at once from a place. As a function of the place it is quasi-concave:
+    /// in the others it is no larger farther away either. With obtuse angles counted that is nearly so; what is missed is little.
     fn promising(&self, directions: &[Vec3], shortest: f64, (here, effect): &(Vec3, Effect)) -> Vec<Vec3> {
         let step = LEAST_STEP * shortest;
         directions.iter().filter(|d| !self.is_sharper(&(here + *d * step), effect.after.cosine)).copied().collect()

@@ -159,7 +159,7 @@ if command -v stdbuf >/dev/null 2>&1; then set -- stdbuf -oL "$@"; fi
 if setpriv --pdeathsig KILL true 2>/dev/null; then set -- setpriv --pdeathsig KILL "$@"; fi
 exec "$@""#;
     let mut command = Command::new("/bin/sh");
-    let [memory, time] = [limits.memory / 1024, limits.time.as_secs() + 1].map(|n| n.to_string());
+    let [memory, time] = [limits.memory / 1024, limits.time.as_secs().saturating_add(1)].map(|n| n.to_string());
     command.args(["-c", SCRIPT, "sh", &memory, &time]).arg(program).process_group(0);
     command
 }

@@ -163,12 +163,18 @@ struct Climb {
 impl Climb {
     fn attempt(&mut self, task: &Task, program: &Program, place: &Place, improvements: &'static str) -> Outcome<Next> {
         let Task { input, options } = *task;
+        if self.runaway.is_some() && self.time.is_zero() {
+            return Ok(Next::Stop);
+        }
         if let (Some(tell), false) = (options.on_attempt, self.attempts.is_empty()) {
             tell(&format!("tetgen, attempt {}: {}", self.attempts.len() + 1, told(place, improvements)));
         }
-        let (result, run) = task
-            .attempt(program, place, improvements, self.time)
-            .map_err(|e| vec![Diagnostic::error("no-tetgen", format!("{}: {e}", program.path.display()))])?;
+        let (result, run) = match task.attempt(program, place, improvements, self.time) {
+            Ok(done) => done,
+            // There is a mesh.
+            Err(_) if self.runaway.is_some() => return Ok(Next::Stop),
+            Err(e) => return Err(vec![Diagnostic::error("no-tetgen", format!("{}: {e}", program.path.display()))]),
+        };
         let endless = result.as_ref().ok().and_then(|m| runaway::verdict(m, options.ratio, input.plc.vertices.len()));
         let verdict = match &result {
             Ok(_) => endless.clone().unwrap_or("good".into()),
