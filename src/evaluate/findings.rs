@@ -85,21 +85,31 @@ pub fn overlaps(scene: &Scene, arrangement: &Arrangement, classified: &Classifie
     if scene.overlap == Policy::Allow || selected.overlaps.is_empty() {
         return Ok(());
     }
-    let mut labels: BTreeMap<(PartId, PartId), BTreeSet<u32>> = BTreeMap::new();
+    let mut claimants: BTreeMap<u32, BTreeSet<PartId>> = BTreeMap::new();
     for o in &selected.overlaps {
-        labels.entry((o.loser, o.winner)).or_default().insert(o.label);
+        claimants.entry(o.label).or_default().extend([o.loser, o.winner]);
+    }
+    let mut labels: BTreeMap<(PartId, PartId), BTreeSet<u32>> = BTreeMap::new();
+    for (label, parts) in claimants {
+        let later = |a: PartId| parts.iter().filter(move |b| **b > a).map(move |&b| (a, b));
+        for pair in parts.iter().flat_map(|&a| later(a)) {
+            labels.entry(pair).or_default().insert(label);
+        }
     }
     let describe = |(&(a, b), set): (&(PartId, PartId), &BTreeSet<u32>)| {
-        let (volume, place) = volume_of(arrangement, classified, set);
+        let (volume, place) = volume_of(arrangement, classified, set)?;
         let (a, b) = (&scene.parts[a], &scene.parts[b]);
         let text = format!("parts `{}` and `{}` overlap in {volume:.6e} {}^3", a.name, b.name, scene.unit);
-        Diagnostic::error("overlap", text).at(b.span).near(place).hint("subtract one from the other, or set `overlap: Allow`")
+        let error = Diagnostic::error("overlap", text).at(b.span).near(place);
+        Some(error.hint("subtract one from the other, or set `overlap: Allow`"))
     };
-    Err(labels.iter().map(describe).collect())
+    let errors: Vec<Diagnostic> = labels.iter().filter_map(describe).collect();
+    if errors.is_empty() { Ok(()) } else { Err(errors) }
 }
 
-/// Volume of the places with the given labels, and one of their vertices.
-fn volume_of(arrangement: &Arrangement, classified: &Classified, labels: &BTreeSet<u32>) -> (f64, Vec3) {
+/// Volume of the places with the given labels, and one of their vertices; `None` if there is no such place: parts that touch have
+/// the label of both on the facets where they do.
+fn volume_of(arrangement: &Arrangement, classified: &Classified, labels: &BTreeSet<u32>) -> Option<(f64, Vec3)> {
     let cells = &arrangement.cells;
     let places: Vec<Vec3> = (0..arrangement.points.len() as u32).map(|p| arrangement.points.at(p)).collect();
     let (mut volume, mut origin) = (0.0, None);
@@ -113,7 +123,7 @@ fn volume_of(arrangement: &Arrangement, classified: &Classified, labels: &BTreeS
         let third = (corner - origin).dot(&polygon::vector_area(cells.loops(cell), &places)) / 3.0;
         volume += if back { third } else { -third };
     }
-    (volume, origin.unwrap_or_else(Vec3::zeros))
+    Some((volume, origin?))
 }
 
 /// Parts that are left without volume: errors. No part at all is one too.

@@ -165,3 +165,29 @@ fn pairs_of_equal_turned_squares_make_a_star_without_starting_again() {
     assert!((volume - area).abs() < 1e-9, "{volume} {area}");
     assert_eq!(complex.regions.len(), 2);
 }
+
+/// What is said if overlaps are forbidden.
+fn forbidden(solids: &[Solid]) -> Vec<String> {
+    let names = ["a", "b", "c"];
+    let parts = (0..solids.len()).map(|k| (names[k], leaf(k as u32))).collect();
+    let scene = Scene { overlap: Policy::Forbid, ..scene(parts, solids.len()) };
+    match evaluate(&scene, solids, &mut Timings::default()) {
+        Ok(_) => Vec::new(),
+        Err(errors) => errors.into_iter().map(|e| e.message).collect(),
+    }
+}
+
+#[test]
+fn parts_that_touch_do_not_overlap() {
+    let solids = [block([0., 0., 0.], [1., 1., 1.]), block([1., 0., 0.], [2., 1., 1.]), block([0., 0., 1.], [2., 0.5, 2.])];
+    assert_eq!(forbidden(&solids), Vec::<String>::new());
+}
+
+#[test]
+fn overlaps_of_three_parts_are_those_of_the_pairs() {
+    let solids = [block([0., 0., 0.], [2., 2., 2.]), block([1., 1., 1.], [3., 3., 3.]), block([1.5, 0., 0.], [4., 2., 2.])];
+    let told = forbidden(&solids);
+    for (pair, volume) in [("`a` and `b`", 1.0), ("`a` and `c`", 2.0), ("`b` and `c`", 1.5)] {
+        assert!(told.iter().any(|m| m.contains(pair) && m.contains(&format!("{volume:.6e}"))), "{pair}: {told:?}");
+    }
+}

@@ -22,14 +22,23 @@ pub fn vector_area<'a>(loops: impl IntoIterator<Item = &'a [u32]>, points: &[Vec
     sum * 0.5
 }
 
-/// Whether all vertices lie within `flatness` of the polygon's plane.
+/// Whether all vertices lie within `flatness` of a plane: that of the polygon's area, or, since the area of a thin ring is small
+/// and its direction uncertain, that of three vertices far apart.
 pub fn is_planar(loops: &[&[u32]], points: &[Vec3], flatness: f64) -> bool {
-    let normal = vector_area(loops.iter().copied(), points);
-    let unit = normal / normal.norm();
     let all = || loops.iter().flat_map(|l| l.iter()).map(|&v| points[v as usize]);
     let Some(first) = all().next() else { return true };
-    let (lo, hi) = all().map(|p| unit.dot(&(p - first))).fold((0.0, 0.0), |(l, h): (f64, f64), d| (l.min(d), h.max(d)));
-    hi - lo <= 2.0 * flatness
+    let is_along = |normal: Vec3| {
+        let unit = normal / normal.norm();
+        let (lo, hi) = all().map(|p| unit.dot(&(p - first))).fold((0.0, 0.0), |(l, h): (f64, f64), d| (l.min(d), h.max(d)));
+        hi - lo <= 2.0 * flatness
+    };
+    let farthest = |size: &dyn Fn(&Vec3) -> f64| all().fold(first, |far, p| if size(&p) > size(&far) { p } else { far });
+    let across = || {
+        let second = farthest(&|p| (p - first).norm_squared());
+        let third = farthest(&|p| (second - first).cross(&(p - first)).norm_squared());
+        (second - first).cross(&(third - first))
+    };
+    is_along(vector_area(loops.iter().copied(), points)) || is_along(across())
 }
 
 /// Why a polygon has no triangulation.
@@ -263,6 +272,23 @@ mod tests {
 
     fn area(triangles: &[[u32; 3]], points: &[Vec3]) -> f64 {
         triangles.iter().map(|t| vector_area([&t[..]], points).norm()).sum()
+    }
+
+    #[test]
+    fn a_thin_ring_is_planar_as_far_as_its_corners_are() {
+        // Two squares about one place, turned by some angle: with a wall of 1e-3 rounding tilts the plane of the area.
+        let (c, s) = (0.6, 0.8);
+        let corner = |r: f64, k: usize| {
+            let (x, y) = [(r, r), (-r, r), (-r, -r), (r, -r)][k];
+            Vec3::new(x, c * y + 7.1, s * y - 3.3)
+        };
+        let points: Vec<Vec3> = (0..8).map(|k| corner(if k < 4 { 50.0 } else { 49.999 }, k % 4)).collect();
+        let loops: [&[u32]; 2] = [&[0, 1, 2, 3], &[7, 6, 5, 4]];
+        assert!(is_planar(&loops, &points, 4.0 * f64::EPSILON * 100.0));
+        let mut bent = points.clone();
+        bent[6].x += 1e-3;
+        bent[6].z += 1e-9;
+        assert!(!is_planar(&loops, &bent, 4.0 * f64::EPSILON * 100.0));
     }
 
     #[test]
