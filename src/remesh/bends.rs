@@ -4,6 +4,10 @@
 //! encloses another volume. That comes about where a vertex of a band lies almost on a ruling: the triangle at the strip's end is
 //! almost in the strip's plane. Slid onto the ruling, by a hundredth of the edge length, it is in that plane but for rounding:
 //! merging is harmless then, and even wanted, for an edge less is an edge less that TetGen has to keep.
+//!
+//! Most of all where an obtuse angle faces the edge: its corner lies in the edge's diametral sphere, TetGen splits the edge, and the
+//! new vertex encroaches on the edges around. A sphere of acute triangles is meshed without a split; with four obtuse ones 64 edges
+//! were split, and 21 tetrahedra stayed above ratio 2.0.
 
 use super::operators::Effect;
 use super::quality::cosine_of_degrees;
@@ -29,7 +33,8 @@ const NEAR_SINE: f64 = 0.22;
 /// faces is encroached upon by its corner, and TetGen splits it and all around. (With all alike, a tenth more tetrahedra.)
 const MERGED_HARM: usize = 100;
 const WIDE_HARM: usize = 4;
-/// Cosine of the angle, 45 degrees, that must face an edge for it to be tried: others are short, and cost half the time of this step.
+/// Cosine of the angle, 45 degrees, that must face an edge for it to be tried: others are short; to leave them out saves a fifth of
+/// the remeshing of transformer3, and needs 1 % more tetrahedra.
 const FACED_COSINE: f64 = 0.7;
 /// Cosine of the angle from which one is wide, 84 degrees: what is near 90 gets there by the moves of its neighbours.
 const WIDE_COSINE: f64 = 0.1045;
