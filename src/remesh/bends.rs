@@ -29,9 +29,11 @@ const MERGED_SINE: f64 = 2.1e-3;
 /// circle); not on fitted surfaces, where most bends are as weak. The more, the fewer edges TetGen has to keep: with 0.15,
 /// transformer3 wholly remeshed needs 2 % more tetrahedra.
 const NEAR_SINE: f64 = 0.22;
-/// Harm of a bend that TetGen might merge, and of one that a wide angle faces, where others count 1: an edge that an obtuse angle
-/// faces is encroached upon by its corner, and TetGen splits it and all around. (With all alike, a tenth more tetrahedra.)
+/// Harm of a bend that TetGen might merge, of any edge that an obtuse angle faces, and of a bend that a wide angle faces, where other
+/// bends count 1: an edge that an obtuse angle faces is encroached upon by its corner, and TetGen splits it and some fifteen around.
+/// (With all alike, a tenth more tetrahedra.)
 const MERGED_HARM: usize = 100;
+const OBTUSE_HARM: usize = 10;
 const WIDE_HARM: usize = 4;
 /// Cosine of the angle, 45 degrees, that must face an edge for it to be tried: others are short; to leave them out saves a fifth of
 /// the remeshing of transformer3, and needs 1 % more tetrahedra.
@@ -70,6 +72,25 @@ struct Bends<'a> {
     flat: f64,
     /// Whether all has to be done that is legal, else only what costs no shape.
     is_forced: bool,
+}
+
+/// How the facets at an edge lie to each other.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Bend {
+    /// In one plane.
+    None,
+    /// So nearly in one plane that TetGen might merge them.
+    Merged,
+    /// Nearly enough to be brought into one plane.
+    Near,
+    /// With a bend that stays; or they are not two of one surface.
+    Full,
+}
+
+impl Bend {
+    fn is_weak(self) -> bool {
+        matches!(self, Self::Merged | Self::Near)
+    }
 }
 
 /// A vertex elsewhere for once.
@@ -151,7 +172,7 @@ impl Workpiece {
     }
 
     /// The edges of the treated facets at a vertex.
-    fn edges_of_star(&self, vertex: VertexId) -> Vec<EdgeId> {
+    pub fn edges_of_star(&self, vertex: VertexId) -> Vec<EdgeId> {
         let mut edges = self.edges_of(&self.star(vertex));
         edges.sort_unstable();
         edges.dedup();
@@ -234,7 +255,7 @@ impl Bends<'_> {
     fn clear(&mut self, least: usize) {
         let mut edges = self.work.active_edges();
         for _ in 0..PASSES {
-            edges.retain(|&e| self.harm(e, None) >= least);
+            edges.retain(|&e| self.bend(e, None).is_weak() && self.harm(e, None) >= least);
             let mut order: Vec<(f64, EdgeId)> = edges.into_iter().map(|e| (self.work.widest_opposite(e), e)).collect();
             order.retain(|o| self.is_forced || o.0 < FACED_COSINE);
             order.sort_by(|p, q| p.0.total_cmp(&q.0).then(p.1.cmp(&q.1)));
@@ -245,32 +266,44 @@ impl Bends<'_> {
         }
     }
 
-    /// How bad it is for TetGen that facets at an edge are almost, but not quite, in one plane; 0 if they are in one, or far from it.
+    /// How bad an edge is for TetGen: for its bend, and for the angles that face it.
     fn harm(&self, edge: EdgeId, trial: Option<&Trial>) -> usize {
+        let point = |v| self.point(v, trial);
+        let is_faced = |limit: f64| self.work.widest_opposite_with(edge, point) < limit;
+        match self.bend(edge, trial) {
+            Bend::None => 0,
+            Bend::Merged => MERGED_HARM,
+            _ if is_faced(0.0) => OBTUSE_HARM,
+            Bend::Near if is_faced(WIDE_COSINE) => WIDE_HARM,
+            Bend::Near => 1,
+            Bend::Full => 0,
+        }
+    }
+
+    fn bend(&self, edge: EdgeId, trial: Option<&Trial>) -> Bend {
         let topology = &self.work.brep.topology;
         let mut facets = topology.facets_around(edge);
-        let (Some(f), Some(g), None) = (facets.next(), facets.next(), facets.next()) else { return 0 };
+        let (Some(f), Some(g), None) = (facets.next(), facets.next(), facets.next()) else { return Bend::Full };
         let (m, n) = (self.normal(f, trial), self.normal(g, trial));
         let square = m.cross(&n).norm_squared();
         if square > NEAR_SINE * NEAR_SINE || self.work.brep.facets[f].marker != self.work.brep.facets[g].marker {
-            return 0;
+            return Bend::Full;
         }
-        let point = |v: VertexId| trial.filter(|t| t.vertex == v).map_or_else(|| self.work.point(v), |t| t.to);
-        let ends = topology.ends(edge);
-        let start = point(ends[0]);
+        let start = self.point(topology.ends(edge)[0], trial);
         let is_off = |facet: FacetId, normal: &Vec3| {
             let mut corners = topology.fins_of_facet(facet).map(|fin| topology.fin_ends(fin)[0]);
-            corners.any(|v| normal.dot(&(point(v) - start)).abs() > self.flat)
+            corners.any(|v| normal.dot(&(self.point(v, trial) - start)).abs() > self.flat)
         };
-        if !is_off(f, &n) && !is_off(g, &m) {
-            return 0;
-        }
         match self.work.support(f) {
-            _ if square <= MERGED_SINE * MERGED_SINE => MERGED_HARM,
-            Some(support) if support.is_fitted() => 0,
-            _ if self.work.widest_opposite_with(edge, point) < WIDE_COSINE => WIDE_HARM,
-            _ => 1,
+            _ if !is_off(f, &n) && !is_off(g, &m) => Bend::None,
+            _ if square <= MERGED_SINE * MERGED_SINE => Bend::Merged,
+            Some(support) if support.is_fitted() => Bend::Full,
+            _ => Bend::Near,
         }
+    }
+
+    fn point(&self, vertex: VertexId, trial: Option<&Trial>) -> Vec3 {
+        trial.filter(|t| t.vertex == vertex).map_or_else(|| self.work.point(vertex), |t| t.to)
     }
 
     fn normal(&self, facet: FacetId, trial: Option<&Trial>) -> Vec3 {

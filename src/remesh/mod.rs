@@ -40,6 +40,7 @@
 //! strip 300 x 26 of a cylinder -> split along its length at the wanted size, swapped to triangles, 24 segments kept or not
 //! ```
 
+mod acute;
 mod bands;
 mod bends;
 mod creases;

@@ -221,6 +221,15 @@ impl Workpiece {
 impl Workpiece {
     /// What replacing an edge by the other diagonal would do; `None` if topology forbids it or it helps neither shape nor deviation.
     pub fn plan_swap(&self, edge: EdgeId) -> Option<(Swap, Effect)> {
+        self.plan_swap_if(edge, true)
+    }
+
+    /// The same, also if it helps nothing.
+    pub fn plan_any_swap(&self, edge: EdgeId) -> Option<(Swap, Effect)> {
+        self.plan_swap_if(edge, false)
+    }
+
+    fn plan_swap_if(&self, edge: EdgeId, must_help: bool) -> Option<(Swap, Effect)> {
         let topology = &self.brep.topology;
         let mut ring = topology.fins_around(edge);
         let (Some(at_f), Some(at_g), None) = (ring.next(), ring.next(), ring.next()) else { return None };
@@ -232,7 +241,7 @@ impl Workpiece {
         let [a, b] = topology.fin_ends(at_f).map(|v| self.point(v));
         let [c, d] = [at_f, at_g].map(|fin| self.point(topology.fin_ends(topology.prev_fin(fin))[0]));
         // Shapes first: they cost a tenth of what topology and supports do.
-        if !before.is_flipped && before.excess <= 1.0 {
+        if must_help && !before.is_flipped && before.excess <= 1.0 {
             let limit = raised(before.cosine);
             let is_poor = |[p, q, r]: [&Vec3; 3]| sharpest_cosine([p, q, r], self.obtuse) >= limit;
             if is_poor([&c, &d, &b]) || is_poor([&d, &c, &a]) {

@@ -106,6 +106,9 @@ impl Workpiece {
         }
         self.weigh_obtuse(OBTUSE[1]);
         self.polish();
+        self.weigh_obtuse(OBTUSE[0]);
+        self.make_acute();
+        self.weigh_obtuse(OBTUSE[1]);
         true
     }
 
