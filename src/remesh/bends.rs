@@ -159,16 +159,16 @@ impl Workpiece {
 
     /// Cosine of the widest angle of a triangle at an edge that is opposite to it.
     fn widest_opposite(&self, edge: EdgeId) -> f64 {
-        self.widest_opposite_with(edge, |v| self.point(v))
+        let [a, b] = self.brep.topology.ends(edge).map(|v| self.point(v));
+        let apexes = self.apexes(edge).map(|v| self.point(v));
+        apexes.map(|p| (a - p).dot(&(b - p)) / ((a - p).norm() * (b - p).norm())).fold(1.0, f64::min)
     }
 
-    /// The same with the vertices at other places.
-    fn widest_opposite_with(&self, edge: EdgeId, point: impl Fn(VertexId) -> Vec3) -> f64 {
-        let ends = self.brep.topology.ends(edge);
-        let triangles = self.brep.topology.facets_around(edge).filter_map(|f| self.corners(f));
-        let apexes = triangles.flatten().filter(|v| !ends.contains(v)).map(&point);
-        let [a, b] = ends.map(&point);
-        apexes.map(|p| (a - p).dot(&(b - p)) / ((a - p).norm() * (b - p).norm())).fold(1.0, f64::min)
+    /// The corners of the triangles at an edge that are opposite to it.
+    fn apexes(&self, edge: EdgeId) -> impl Iterator<Item = VertexId> + '_ {
+        let topology = &self.brep.topology;
+        let fins = topology.fins_around(edge).filter(|&fin| topology.triangle(topology.facet_of(fin)).is_some());
+        fins.map(|fin| topology.fin_ends(topology.prev_fin(fin))[0])
     }
 
     /// The edges of the treated facets at a vertex.
@@ -268,13 +268,11 @@ impl Bends<'_> {
 
     /// How bad an edge is for TetGen: for its bend, and for the angles that face it.
     fn harm(&self, edge: EdgeId, trial: Option<&Trial>) -> usize {
-        let point = |v| self.point(v, trial);
-        let is_faced = |limit: f64| self.work.widest_opposite_with(edge, point) < limit;
         match self.bend(edge, trial) {
             Bend::None => 0,
             Bend::Merged => MERGED_HARM,
-            _ if is_faced(0.0) => OBTUSE_HARM,
-            Bend::Near if is_faced(WIDE_COSINE) => WIDE_HARM,
+            _ if self.is_faced(edge, 0.0, trial) => OBTUSE_HARM,
+            Bend::Near if self.is_faced(edge, WIDE_COSINE, trial) => WIDE_HARM,
             Bend::Near => 1,
             Bend::Full => 0,
         }
@@ -289,17 +287,27 @@ impl Bends<'_> {
         if square > NEAR_SINE * NEAR_SINE || self.work.brep.facets[f].marker != self.work.brep.facets[g].marker {
             return Bend::Full;
         }
+        if square > MERGED_SINE * MERGED_SINE {
+            let is_rough = self.work.support(f).is_some_and(Support::is_fitted);
+            return if is_rough { Bend::Full } else { Bend::Near };
+        }
         let start = self.point(topology.ends(edge)[0], trial);
         let is_off = |facet: FacetId, normal: &Vec3| {
             let mut corners = topology.fins_of_facet(facet).map(|fin| topology.fin_ends(fin)[0]);
             corners.any(|v| normal.dot(&(self.point(v, trial) - start)).abs() > self.flat)
         };
-        match self.work.support(f) {
-            _ if !is_off(f, &n) && !is_off(g, &m) => Bend::None,
-            _ if square <= MERGED_SINE * MERGED_SINE => Bend::Merged,
-            Some(support) if support.is_fitted() => Bend::Full,
-            _ => Bend::Near,
-        }
+        if is_off(f, &n) || is_off(g, &m) { Bend::Merged } else { Bend::None }
+    }
+
+    /// Whether an angle wider than that of a cosine, of at most a right angle, faces an edge.
+    fn is_faced(&self, edge: EdgeId, cosine: f64, trial: Option<&Trial>) -> bool {
+        let [a, b] = self.work.brep.topology.ends(edge).map(|v| self.point(v, trial));
+        self.work.apexes(edge).any(|apex| {
+            let apex = self.point(apex, trial);
+            let (u, v) = (a - apex, b - apex);
+            let along = u.dot(&v);
+            along < 0.0 || along * along < cosine * cosine * u.norm_squared() * v.norm_squared()
+        })
     }
 
     fn point(&self, vertex: VertexId, trial: Option<&Trial>) -> Vec3 {
