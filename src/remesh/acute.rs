@@ -106,16 +106,26 @@ impl Workpiece {
         false
     }
 
-    /// What to begin with, most promising first: the longest edges of the triangle, then those around.
+    /// What to begin with, most promising first. What helps in less than one case of thirty is left out: the shorter edges of the
+    /// triangle, edges at the obtuse corner, swaps farther away.
     fn starts(&self, facet: FacetId, corners: [VertexId; 3]) -> Vec<Start> {
         let own = self.edges_of(&[facet]);
+        let Some(&longest) = own.iter().max_by(|&&e, &&f| self.length(e).total_cmp(&self.length(f))) else { return Vec::new() };
+        let base = self.brep.topology.ends(longest);
         let stars: Vec<FacetId> = corners.iter().flat_map(|&v| self.star(v)).collect();
-        let mut edges: Vec<(bool, f64, EdgeId)> =
-            self.edges_of(&stars).into_iter().map(|e| (!own.contains(&e), -self.length(e), e)).collect();
-        edges.sort_by(|p, q| p.0.cmp(&q.0).then(p.1.total_cmp(&q.1)).then(p.2.cmp(&q.2)));
+        let mut edges: Vec<(f64, EdgeId)> = self.edges_of(&stars).into_iter().map(|e| (-self.length(e), e)).collect();
+        edges.sort_by(|p, q| p.0.total_cmp(&q.0).then(p.1.cmp(&q.1)));
         edges.dedup();
-        let of_edges = edges.into_iter().flat_map(|e| [Start::Swap(e.2), Start::Split(e.2)]);
-        std::iter::once(Start::Nothing).chain(of_edges).collect()
+        edges.retain(|e| !own.contains(&e.1));
+        let touches = |e: EdgeId, corners: &[VertexId]| self.brep.topology.ends(e).iter().any(|v| corners.contains(v));
+        let spokes: Vec<EdgeId> = edges.iter().map(|e| e.1).filter(|&e| touches(e, &base)).collect();
+        let rim = edges.iter().map(|e| e.1).filter(|&e| !touches(e, &corners));
+        let at_triangle = [Start::Nothing, Start::Swap(longest), Start::Split(longest)].into_iter();
+        at_triangle
+            .chain(spokes.iter().map(|&e| Start::Split(e)))
+            .chain(spokes.iter().map(|&e| Start::Swap(e)))
+            .chain(rim.map(Start::Split))
+            .collect()
     }
 
     /// Tries one beginning; whether that helped, else all is as before.
