@@ -7,12 +7,12 @@ const OBTUSE_BASE: f64 = 0.74;
 
 /// Cosine of the largest angle of a triangle from which it has a flaw, 88.9 degrees: what is near 90 passes it by the next move.
 const WIDE: f64 = 0.02;
-/// And of the smallest one, 38 degrees.
-const SMALL: f64 = 0.788;
+/// And of the smallest one, 39 degrees.
+const SMALL: f64 = 0.777;
 /// The flaw of an angle just wide enough: one flaw a little larger is better than two. And that of a small angle against that of a
 /// wide one, by their cosines: TetGen splits edges for wide ones only, but users look at small ones.
 const ANY_FLAW: f64 = 0.025;
-const SMALL_WEIGHT: f64 = 5.0;
+const SMALL_WEIGHT: f64 = 10.0;
 /// Cosine of the angle up to which one is right, not obtuse: halves of rectangles are fine (90.06 degrees).
 const RIGHT: f64 = -1e-3;
 
