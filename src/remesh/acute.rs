@@ -29,13 +29,13 @@ const PATIENCE: f64 = 4.0;
 /// Splitting an edge shorter than this many wanted lengths makes triangles that are too small.
 const SHORTEST_SPLIT: f64 = 0.9;
 
-/// What a trial begins with.
+/// What a trial begins with. Edges are told by their ends: a split that is undone may leave them with other ids.
 #[derive(Clone, Copy, Debug)]
 enum Start {
     /// Moves only.
     Nothing,
-    Swap(EdgeId),
-    Split(EdgeId),
+    Swap([VertexId; 2]),
+    Split([VertexId; 2]),
 }
 
 /// What has been done in a trial, and is undone with.
@@ -118,14 +118,12 @@ impl Workpiece {
         edges.dedup();
         edges.retain(|e| !own.contains(&e.1));
         let touches = |e: EdgeId, corners: &[VertexId]| self.brep.topology.ends(e).iter().any(|v| corners.contains(v));
-        let spokes: Vec<EdgeId> = edges.iter().map(|e| e.1).filter(|&e| touches(e, &base)).collect();
-        let rim = edges.iter().map(|e| e.1).filter(|&e| !touches(e, &corners));
-        let at_triangle = [Start::Nothing, Start::Swap(longest), Start::Split(longest)].into_iter();
-        at_triangle
-            .chain(spokes.iter().map(|&e| Start::Split(e)))
-            .chain(spokes.iter().map(|&e| Start::Swap(e)))
-            .chain(rim.map(Start::Split))
-            .collect()
+        let ends = |e: &(f64, EdgeId)| self.brep.topology.ends(e.1);
+        let spokes: Vec<[VertexId; 2]> = edges.iter().filter(|e| touches(e.1, &base)).map(ends).collect();
+        let rim = edges.iter().filter(|e| !touches(e.1, &corners)).map(ends);
+        let at_triangle = [Start::Nothing, Start::Swap(base), Start::Split(base)].into_iter();
+        let at_spokes = spokes.iter().map(|&e| Start::Split(e)).chain(spokes.iter().map(|&e| Start::Swap(e)));
+        at_triangle.chain(at_spokes).chain(rim.map(Start::Split)).collect()
     }
 
     /// Tries one beginning; whether that helped, else all is as before.
@@ -133,8 +131,8 @@ impl Workpiece {
         let mut trial = Trial { work: self, done: Vec::new(), gain: 0.0 };
         let begun = match start {
             Start::Nothing => Some(corners.to_vec()),
-            Start::Swap(edge) => trial.swap(edge, true),
-            Start::Split(edge) => trial.split(edge),
+            Start::Swap([a, b]) => trial.work.brep.topology.edge_between(a, b).and_then(|e| trial.swap(e, true)),
+            Start::Split([a, b]) => trial.work.brep.topology.edge_between(a, b).and_then(|e| trial.split(e)),
         };
         if let Some(vertices) = begun {
             trial.settle(vertices);
@@ -250,6 +248,56 @@ impl Trial<'_> {
                     }
                 }
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{cone, cylinder, polished};
+    use super::*;
+
+    /// The triangles by the places of their corners, in order.
+    fn triangles(work: &Workpiece) -> Vec<Vec<[u64; 3]>> {
+        let facets = work.brep.topology.facets().filter_map(|f| work.corners(f));
+        let mut all: Vec<Vec<[u64; 3]>> = facets
+            .map(|t| {
+                let mut corners: Vec<[u64; 3]> = work.points(t).map(|p| [p.x, p.y, p.z].map(f64::to_bits)).to_vec();
+                corners.sort_unstable();
+                corners
+            })
+            .collect();
+        all.sort_unstable();
+        all
+    }
+
+    #[test]
+    fn a_trial_in_vain_leaves_no_trace() {
+        let mut work = polished(cylinder(50.0, 200.0, 24), 1.0);
+        let facets: Vec<FacetId> = work.brep.topology.facets().filter(|&f| work.is_treated(f)).collect();
+        let (mut kept, mut undone) = (0, 0);
+        for facet in facets.into_iter().step_by(20) {
+            let Some(corners) = work.corners(facet) else { continue };
+            for start in work.starts(facet, corners) {
+                let before = triangles(&work);
+                if work.attempt(start, corners) {
+                    kept += 1;
+                    break;
+                }
+                undone += 1;
+                assert_eq!(triangles(&work), before, "{start:?}");
+            }
+        }
+        assert!(undone > 100, "{undone} undone, {kept} kept");
+    }
+
+    #[test]
+    fn hardly_any_angle_is_obtuse() {
+        for complex in [cylinder(50.0, 200.0, 24), cone(50.0, 100.0, 24)] {
+            let work = polished(complex, 0.7);
+            let obtuse = work.brep.topology.facets().filter(|&f| work.is_treated(f) && work.is_obtuse(f)).count();
+            let all = work.brep.topology.facets().filter(|&f| work.is_treated(f)).count();
+            assert!(all > 300 && 100 * obtuse <= all, "{obtuse} of {all}");
         }
     }
 }

@@ -50,7 +50,7 @@ fn rim(radius: f64, z: f64, n: u32) -> impl Iterator<Item = (Vec3, Freedom)> {
     })
 }
 
-fn cylinder(radius: f64, height: f64, n: u32) -> Complex {
+pub fn cylinder(radius: f64, height: f64, n: u32) -> Complex {
     let points = rim(radius, 0.0, n).chain(rim(radius, height, n)).collect();
     let mut polygons = vec![((0..n).rev().collect(), 1), ((n..2 * n).collect(), 2)];
     polygons.extend((0..n).map(|k| (vec![k, (k + 1) % n, n + (k + 1) % n, n + k], 0)));
@@ -58,7 +58,7 @@ fn cylinder(radius: f64, height: f64, n: u32) -> Complex {
     complex(points, polygons, vec![side, Shape::Plane, Shape::Plane])
 }
 
-fn cone(radius: f64, height: f64, n: u32) -> Complex {
+pub fn cone(radius: f64, height: f64, n: u32) -> Complex {
     let mut points: Vec<_> = rim(radius, 0.0, n).collect();
     points.push((Vec3::new(0.0, 0.0, height), Freedom::Fixed));
     let mut polygons = vec![((0..n).rev().collect::<Vec<u32>>(), 1)];
@@ -139,6 +139,21 @@ fn no_facets_are_almost_in_one_plane() {
         }
     }
     assert!(pairs > 100);
+}
+
+/// A complex all of whose curved facets have been remeshed, before facets are brought into one plane.
+pub fn polished(complex: Complex, max_deviation: f64) -> Workpiece {
+    let supports = supports_of(&complex, RemeshOptions::default().patches);
+    let choice = Choice::all(&complex, &supports);
+    let shares = vec![1.0; complex.surfaces.len()];
+    let mut work = Workpiece::new(complex, supports, shares, choice).unwrap();
+    work.bound = Bound::Fixed(max_deviation);
+    let treated = work.chosen();
+    let limits = Limits::of(&work, 1.0, &IdVec::new());
+    work.divide(&treated);
+    work.find_features();
+    assert!(work.run(&limits));
+    work
 }
 
 #[test]
