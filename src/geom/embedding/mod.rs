@@ -9,8 +9,11 @@
 //! the two are a `VertexOnEdge`.
 
 mod contact;
+mod loose;
 #[cfg(test)]
 mod tests;
+
+pub use loose::{LooseViolation, Partner, loose_violations};
 
 use super::Vec3;
 use super::aabb::Aabb;
