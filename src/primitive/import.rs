@@ -35,13 +35,17 @@ struct Surface {
 /// Reads and checks the surface of a leaf.
 ///
 /// # Errors
-/// `malformed-file` and its like from reading; `open-surface`; `flat-facet`; `no-volume`; `too-many-facets`.
+/// `malformed-file` and its like from reading; `open-surface`; `flat-facet`; `no-volume`; `no-facets`; `too-many-facets`.
 pub(crate) fn import(leaf: &Leaf, path: &Path, scale: f64) -> Result<Solid, Diagnostic> {
     let mesh = io::read_surface(path)?;
     let file = path.display().to_string();
-    if mesh.polygons.is_empty() || mesh.polygons.len() > MAX_FACETS {
-        let message = format!("{file}: {} facets; there must be some, at most {MAX_FACETS}", mesh.polygons.len());
-        return Err(Diagnostic::error("too-many-facets", message));
+    if mesh.polygons.is_empty() {
+        let fault = Diagnostic::error("no-facets", format!("{file}: the file has no facets"));
+        return Err(fault.hint("export the surface again, as polygons or triangles"));
+    }
+    if mesh.polygons.len() > MAX_FACETS {
+        let message = format!("{file}: {} facets are more than {MAX_FACETS}", mesh.polygons.len());
+        return Err(Diagnostic::error("too-many-facets", message).hint("reduce it before it is imported"));
     }
     let place = Place::of_axes(&leaf.transform);
     let at = |p: &[f64; 3]| place.point(p[0] * scale, p[1] * scale, p[2] * scale);
@@ -61,7 +65,8 @@ pub(crate) fn import(leaf: &Leaf, path: &Path, scale: f64) -> Result<Solid, Diag
     }
     let volume = surface.volume();
     if volume == 0.0 || !volume.is_finite() {
-        return Err(Diagnostic::error("no-volume", format!("{file}: the surface encloses no volume")));
+        let fault = Diagnostic::error("no-volume", format!("{file}: the surface encloses no volume"));
+        return Err(fault.hint("it is flat, or its facets lie twice over each other: export the solid again"));
     }
     if volume < 0.0 {
         surface.turn();

@@ -48,17 +48,21 @@ impl<'a> Reader<'a> {
                 && name.chars().all(|c| c.is_alphanumeric() || c == '_')
                 && !["", "pi"].contains(&name.as_str());
             if !is_name {
-                self.fail::<()>(key, "bad-name", format!("`{name}` cannot be the name of a parameter"));
+                let hint = "names are letters, digits and `_`, not beginning with a digit; `pi` is taken";
+                self.fail::<()>(key, "bad-name", format!("`{name}` cannot be the name of a parameter"), hint);
             } else if self.params.entries.insert(name.clone(), Param { text: Text::Scene(value), state: State::New }).is_some()
             {
-                self.fail::<()>(key, "duplicate-name", format!("the parameter `{name}` is given twice"));
+                let message = format!("the parameter `{name}` is given twice");
+                self.fail::<()>(key, "duplicate-name", message, "take out one of them");
             }
         }
         for (name, value) in overrides {
             match self.params.entries.get_mut(name) {
                 Some(param) => param.text = Text::CommandLine(value.clone()),
                 None => {
-                    let fault = self.params.unknown(name).hint("only parameters of the scene can be set from the command line");
+                    let mut fault =
+                        self.params.unknown(name).hint("only parameters of the scene can be set from the command line");
+                    fault.message = format!("--set {name}={value}: {}", fault.message);
                     self.fault(fault);
                 }
             }
@@ -84,12 +88,20 @@ impl<'a> Reader<'a> {
         }
         let text = param.text.clone();
         if self.params.chain.len() == MAX_CHAIN {
-            return Err(Some(Diagnostic::error("too-deep", format!("more than {MAX_CHAIN} parameters refer to each other"))));
+            let fault = Diagnostic::error("too-deep", format!("more than {MAX_CHAIN} parameters refer to each other"));
+            return Err(Some(fault.hint("shorten the chain: write numbers, or refer to earlier ones")));
         }
         self.params.chain.push(name.to_owned());
         let value = match text {
-            Text::Scene(raw) => self.quantity(raw),
-            Text::CommandLine(text) => self.expression(&text, None),
+            Text::Scene(raw) => self.quantity(name, raw),
+            Text::CommandLine(text) => self.expression(name, &text, None).and_then(|quantity| {
+                if quantity.value.is_finite() {
+                    return Some(quantity);
+                }
+                let message = format!("--set {name}={text}: `{name}` is not finite: it is {}", quantity.value);
+                self.fault(Diagnostic::error("not-finite", message).hint(super::reader::NOT_FINITE));
+                None
+            }),
         };
         self.params.chain.pop();
         if let Some(param) = self.params.entries.get_mut(name) {

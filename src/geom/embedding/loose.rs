@@ -130,7 +130,7 @@ fn with_segment(points: &[Vec3], s: [u32; 2], t: [u32; 2]) -> Contact {
 }
 
 /// Whether a point lies on a segment, strictly between its ends.
-fn is_inside(p: &Vec3, a: &Vec3, b: &Vec3) -> bool {
+pub(crate) fn is_inside(p: &Vec3, a: &Vec3, b: &Vec3) -> bool {
     let is_between = (0..3).all(|k| a[k].min(b[k]) <= p[k] && p[k] <= a[k].max(b[k]));
     is_between && p != a && p != b && planes().all(|q| orient2d(q.apply(a), q.apply(b), q.apply(p)) == 0)
 }

@@ -13,6 +13,7 @@ mod loose;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use loose::is_inside;
 pub use loose::{LooseViolation, Partner, loose_violations};
 
 use super::Vec3;
