@@ -55,7 +55,7 @@ pub enum SurfaceFormat {
 
 impl SurfaceFormat {
     /// As messages call it.
-    fn told(self) -> &'static str {
+    pub(crate) fn told(self) -> &'static str {
         match self {
             Self::Obj => "a Wavefront .obj",
             Self::Off => "a Geomview .off",
@@ -94,7 +94,8 @@ pub fn read_surface(path: &Path) -> Result<PolygonMesh, Diagnostic> {
         return Err(fault.hint("reduce the surface before it is imported"));
     }
     let bytes = std::fs::read(path).map_err(cannot)?;
-    let text = || String::from_utf8_lossy(&bytes);
+    // Some programs begin a text with a byte order mark.
+    let text = || String::from_utf8_lossy(bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&bytes));
     let mesh = match format {
         SurfaceFormat::Obj => obj::read(&text()),
         SurfaceFormat::Off => off::read(&text()),

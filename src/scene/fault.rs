@@ -39,9 +39,9 @@ pub(super) fn from_ron<'a>(error: SpannedError, source: &Source<'a>, raw: Raw<'a
         Error::ExpectedFloat | Error::ExpectedInteger => Diagnostic::error("wrong-type", "expected a number")
             .at(source.span(raw))
             .hint("numbers are plain, or expressions in quotes: 12.5, \"12.5 mm\", \"gap / 2\""),
-        Error::ExpectedString => Diagnostic::error("wrong-type", "expected a text in quotes")
-            .at(source.span(raw))
-            .hint("put it in double quotes: \"mm\""),
+        Error::ExpectedString => {
+            Diagnostic::error("wrong-type", "expected a text in quotes").at(source.span(raw)).hint("put it in double quotes")
+        }
         Error::ExpectedBoolean => Diagnostic::error("wrong-type", "expected true or false")
             .at(source.span(raw))
             .hint("write true or false, without quotes"),
@@ -61,11 +61,20 @@ fn syntax_hint(error: &Error) -> &'static str {
         Error::Eof | Error::ExpectedStructLikeEnd | Error::ExpectedArrayEnd | Error::ExpectedMapEnd => {
             "a `)`, `]` or `}` is missing, or a comma before this"
         }
-        Error::ExpectedComma => "put a comma between fields and between elements",
+        Error::ExpectedComma => {
+            "a comma is missing here, or a `)` or `]` before this is missing or one too many; numbers with units are in quotes: \"1 mm\""
+        }
+        Error::ExpectedAttribute => "comments begin with // or stand between /* and */",
         Error::ExpectedMapColon => "write `name: value`",
         Error::ExpectedStringEnd => "a closing quote is missing",
         Error::UnclosedBlockComment => "close the comment with */",
         Error::TrailingCharacters => "the scene ends before this: is there a `)` too many?",
+        Error::ExpectedNamedStructLike("Scene") | Error::ExpectedDifferentStructName { expected: "Scene", .. } => {
+            "a scene is Scene(units: \"mm\", parts: [..]); `gsm new` writes one to start from"
+        }
+        Error::ExpectedDifferentStructName { expected: "Part", .. } => {
+            "parts are Part(name: \"..\", solid: ..); solids stand in their field `solid`"
+        }
         Error::ExpectedStructLike | Error::ExpectedNamedStructLike(_) => "fields stand in parentheses: Block(size: (1, 1, 1))",
         _ => "names of kinds are capital (Block), of fields small (size:), texts are in double quotes; see scenes/tour.ron",
     }
@@ -95,7 +104,7 @@ pub(super) fn with_names<'n>(
         _ => diagnostic,
     };
     match list.len() {
-        0 => diagnostic.hint("there are none"),
+        0 => diagnostic.hint("there are none: check the spelling, or add it"),
         n => {
             // A list longer than this helps nobody.
             let shown = list.iter().take(40).copied().collect::<Vec<_>>().join(", ");

@@ -144,6 +144,11 @@ fn parse_here(
     let metre = units::UNITS[0];
     let mut reader = Reader::new(text, metre);
     let whole = reader.source.whole();
+    if whole.0.is_empty() {
+        let hint = "a scene is Scene(units: \"mm\", parts: [..]); `gsm new` writes one to start from";
+        reader.fail::<()>(whole, "no-scene", "the file holds no scene", hint);
+        return Err(reader.take_faults());
+    }
     let scene = reader.read::<ast::Scene>(whole).and_then(|node| {
         reader.scene_unit(&node);
         reader.load_params(node.params, overrides);

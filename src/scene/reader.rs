@@ -7,7 +7,7 @@ use super::motion::unit_vector;
 use super::params::Params;
 use super::source::{Field, Raw, Source};
 use super::units::Unit;
-use crate::diag::{Diagnostic, Span};
+use crate::diag::{Diagnostic, Span, short};
 use crate::geom::Vec3;
 use serde::Deserialize;
 
@@ -119,7 +119,8 @@ impl<'a> Reader<'a> {
             Quantity { value: self.read::<f64>(raw)?, kind: Kind::Plain }
         };
         if !quantity.value.is_finite() {
-            return self.fail(raw, "not-finite", format!("`{label}` is not finite: it is {}", quantity.value), NOT_FINITE);
+            let hint = if raw.0.starts_with(['"', 'r']) { NOT_FINITE } else { "write a number from -1e9 to 1e9" };
+            return self.fail(raw, "not-finite", format!("`{label}` is not finite: it is {}", quantity.value), hint);
         }
         Some(Quantity { value: quantity.value + 0.0, ..quantity })
     }
@@ -216,14 +217,26 @@ impl<'a> Reader<'a> {
             false if value < f64::from(least) => format!("write {least} or more"),
             false => format!("write {} or {}, or use round(..) in the expression", libm::floor(value), libm::ceil(value)),
         };
-        self.fail(raw, code, format!("`{label}` must be a whole number from {least} to {most}, it is {value}"), hint)
+        self.fail(raw, code, format!("`{label}` must be a whole number from {least} to {most}, it is {}", short(value)), hint)
     }
 
+    /// The values of a tuple of known length.
+    pub fn tuple<const N: usize>(&mut self, label: &str, raw: Raw<'a>) -> Option<[Raw<'a>; N]> {
+        let form = &["(x, y)", "(x, y, z)"][usize::from(N == 3)];
+        if !raw.0.starts_with('(') {
+            let message = format!("`{label}` must be {N} values in parentheses: {form}");
+            return self.fail(raw, "wrong-type", message, format!("write {form}, round parentheses and commas"));
+        }
+        let values = self.read::<ast::Values>(raw)?.0;
+        let count = values.len();
+        values.try_into().ok().or_else(|| {
+            let message = format!("`{label}` must be {N} values, {form}; here are {count}");
+            self.fail(raw, "wrong-length", message, "points of space are (x, y, z), those of a plane (x, y)")
+        })
+    }
     /// A point of space.
     pub fn point(&mut self, label: &str, raw: Raw<'a>) -> Option<Vec3> {
-        let (x, y, z): (Raw, Raw, Raw) = self.read(raw)?;
-        let coordinates = [x, y, z].map(|c| self.length(label, c));
-        let [x, y, z] = coordinates;
+        let [x, y, z] = self.tuple(label, raw)?.map(|c| self.length(label, c));
         Some(Vec3::new(x?, y?, z?))
     }
     /// A point of space; the origin if absent.
@@ -232,14 +245,12 @@ impl<'a> Reader<'a> {
     }
     /// Three positive lengths.
     pub fn sizes(&mut self, label: &str, raw: Raw<'a>) -> Option<Vec3> {
-        let (x, y, z): (Raw, Raw, Raw) = self.read(raw)?;
-        let [x, y, z] = [x, y, z].map(|c| self.size(label, c));
+        let [x, y, z] = self.tuple(label, raw)?.map(|c| self.size(label, c));
         Some(Vec3::new(x?, y?, z?))
     }
     /// A point of the plane.
     pub fn point2(&mut self, label: &str, raw: Raw<'a>) -> Option<[f64; 2]> {
-        let (x, y): (Raw, Raw) = self.read(raw)?;
-        let [x, y] = [x, y].map(|c| self.length(label, c));
+        let [x, y] = self.tuple(label, raw)?.map(|c| self.length(label, c));
         Some([x?, y?])
     }
     /// A point of the plane; the origin if absent.
@@ -248,6 +259,10 @@ impl<'a> Reader<'a> {
     }
     /// A direction of length 1: X, Y, Z or a vector.
     pub fn axis(&mut self, label: &str, raw: Raw<'a>) -> Option<Vec3> {
+        if !raw.0.starts_with(|c: char| c == '(' || c.is_alphabetic()) {
+            let message = format!("`{label}` must be X, Y, Z or a vector (x, y, z)");
+            return self.fail(raw, "wrong-type", message, "write Z without quotes, or (0, 0, 1)");
+        }
         if !raw.0.starts_with('(') {
             return Some(match self.read::<ast::Axis>(raw)? {
                 ast::Axis::X => Vec3::x(),

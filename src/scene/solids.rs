@@ -179,8 +179,7 @@ impl<'r, 'a> SolidReader<'r, 'a> {
         let center = self.reader.point_or_origin("center", node.center);
         let raw = self.reader.need(owner, "by", node.by)?;
         let factors = if raw.0.starts_with('(') {
-            let (x, y, z): (Raw, Raw, Raw) = self.reader.read(raw)?;
-            let [x, y, z] = [x, y, z].map(|f| self.reader.plain("by", f));
+            let [x, y, z] = self.reader.tuple("by", raw)?.map(|f| self.reader.plain("by", f));
             Vec3::new(x?, y?, z?)
         } else {
             Vec3::repeat(self.reader.plain("by", raw)?)
