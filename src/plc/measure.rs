@@ -24,12 +24,7 @@ pub fn measure(complex: &Complex) -> Measures {
         areas[facet.marker.index()] += area_of(complex, facet);
         facets[facet.marker.index()] += 1;
     }
-    let sides = |facet: &ComplexFacet| {
-        let corners = facet.triangles.iter().map(|t| t.map(|v| complex.vertices[v].point)).collect::<Vec<_>>();
-        let sides = facet.sides.map(|s| s.index() as u32);
-        corners.into_iter().map(move |c| (c, sides))
-    };
-    let mut volumes = enclosed_volumes(complex.regions.len(), || complex.facets.iter().flat_map(sides));
+    let mut volumes = enclosed_volumes(complex.regions.len(), || walls(complex));
     if let Some(outside) = volumes.first_mut() {
         *outside = 0.0;
     }
@@ -38,6 +33,14 @@ pub fn measure(complex: &Complex) -> Measures {
 
 /// A triangle with what lies in front of it and behind it.
 type Wall = ([Vec3; 3], [u32; 2]);
+
+/// All triangles of a complex between their regions.
+fn walls(complex: &Complex) -> impl Iterator<Item = Wall> {
+    complex.facets.iter().flat_map(move |facet| {
+        let sides = facet.sides.map(|s| s.index() as u32);
+        facet.triangles.iter().map(move |t| (t.map(|v| complex.vertices[v].point), sides))
+    })
+}
 
 /// Relative error to which volumes are good: a hundredth of what a mesh of them is compared by.
 const WANTED_ERROR: f64 = 1e-11;

@@ -123,6 +123,9 @@ pub(super) fn places(subject: &Subject, volumes: &Volumes, caster: &Caster) -> V
             }
         };
         let is_lost = a != b && volumes.at(&middle, caster) == Ok(0);
+        if l.origin == Origin::NoArea && !is_lost {
+            continue;
+        }
         findings.push(
             match is_lost {
                 true => Diagnostic::error(code, format!("{what} and of every volume"))
