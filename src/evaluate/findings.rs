@@ -160,7 +160,7 @@ pub fn boundaries(scene: &Scene, arrangement: &Arrangement, selected: &Selected)
             };
             let message = format!("the boundary `{name}` of part `{part}` names no facet: {what}");
             found.push(Diagnostic::warning("empty-boundary", message).at(boundary.span).hint(hint));
-        } else if !claim.lost.is_empty() && !(is_outer && claim.has_facets) {
+        } else if !(claim.lost.is_empty() || is_outer && claim.has_facets) {
             let names = claim.lost.keys().map(|&w| format!("`{}`", scene.boundaries[w].name)).collect::<Vec<_>>();
             let left = if claim.has_facets { "has the others" } else { "has none left" };
             let message = format!(

@@ -31,6 +31,11 @@ pub(super) fn differing(subject: &Subject, manifest: &Manifest, volumes: &Volume
     findings
 }
 
+/// Whether a size is what the manifest says; what is no number is not.
+fn agree(found: f64, said: f64, slack: f64) -> bool {
+    (found - said).abs() <= MAX_DIFFERENCE * found + slack
+}
+
 const REBUILD: &str = "the .poly and its manifest are of different runs, or one of them was edited; build them again";
 
 /// Markers whose parts are not the ones on the sides of a facet.
@@ -83,8 +88,7 @@ fn wrong_volumes(subject: &Subject, manifest: &Manifest, volumes: &Volumes, numb
     let differs = |entry: &&crate::io::manifest::RegionEntry| {
         let (volume, surface) = found.get(&entry.region).copied().unwrap_or_default();
         let slack = surface * FLATNESS_ULPS * f64::EPSILON * subject.scale();
-        // Not a number differs too.
-        !((volume - entry.volume).abs() <= MAX_DIFFERENCE * volume + slack)
+        !agree(volume, entry.volume, slack)
     };
     let told = |entry: &crate::io::manifest::RegionEntry| {
         let volume = found.get(&entry.region).map_or(0.0, |f| f.0);
@@ -112,7 +116,7 @@ fn wrong_interfaces(subject: &Subject, manifest: &Manifest) -> Vec<Diagnostic> {
         let (area, lengths, facets) = found.get(&entry.marker).copied().unwrap_or_default();
         let slack = lengths * FLATNESS_ULPS * f64::EPSILON * subject.scale();
         let name = format!("marker {} ({})", entry.marker, entry.name);
-        if !((area - entry.area).abs() <= MAX_DIFFERENCE * area + slack) {
+        if !agree(area, entry.area, slack) {
             let message = format!("{name} has the area {}; the manifest says {}", short(area), short(entry.area));
             findings.push(Diagnostic::error("wrong-area", message).hint(REBUILD));
         }
