@@ -47,7 +47,7 @@ use crate::ids::{Id, LeafId};
 use crate::primitive::solid::Solid;
 use crate::report::timing::Timings;
 use crate::round::{self, Repairs, Rounded};
-use crate::scene::model::Scene;
+use crate::scene::model::{Policy, Scene};
 use crate::select;
 
 /// A valid complex and how it came about.
@@ -95,7 +95,13 @@ fn evaluate_pieces(
     let (cut, pieces) = culled.map_or((solids, &[][..]), |c| (&c.solids, &c.pieces));
     let (mut conforming, mut warnings) = timings.measure("contact", || conform(scene, cut, pieces, size))?;
     let tolerance = conforming.tolerance;
-    warnings.extend(timings.measure("gaps", || findings::gaps(scene, cut, &conforming))?);
+    // A gap that is forbidden must not hide an overlap that is.
+    let (found, mut errors) = match timings.measure("gaps", || findings::gaps(scene, cut, &conforming)) {
+        Ok(found) => (found, Vec::new()),
+        Err(errors) if scene.overlap == Policy::Allow => return Err(errors),
+        Err(errors) => (Vec::new(), errors),
+    };
+    warnings.extend(found);
     // A tenth of the memory of a large model, and nobody needs it any more.
     conforming.trees = Default::default();
     for owner in &mut conforming.owners {
@@ -104,8 +110,12 @@ fn evaluate_pieces(
     let arrangement = timings.measure("arrangement", || arrangement::arrange(&conforming));
     let classified = timings.measure("classify", || classify::classify(&arrangement)).map_err(single)?;
     let selected = timings.measure("select", || select::select(scene, solids, &arrangement, &classified));
-    findings::overlaps(scene, &arrangement, &classified, &selected)?;
-    warnings.extend(findings::empty_parts(scene, &selected)?);
+    errors.extend(findings::overlaps(scene, &arrangement, &classified, &selected));
+    errors.extend(findings::empty_parts(scene, &selected));
+    if !errors.is_empty() {
+        return Err(errors);
+    }
+    warnings.extend(findings::boundaries(scene, &arrangement, &selected));
     drop(classified);
     let rounded = timings.measure("round", || round::round(selected, &arrangement, solids, tolerance, size)).map_err(single)?;
     match rounded {

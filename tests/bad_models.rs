@@ -36,6 +36,8 @@ fn bad_models_are_refused_with_code_place_and_hint() {
         expected.sort();
         seen.sort();
         let said = errors.iter().map(|e| e["message"].as_str().unwrap_or_default()).collect::<Vec<_>>().join("\n");
+        let has_hints = errors.iter().all(|e| e["hints"].as_array().is_some_and(|h| !h.is_empty()));
+        assert!(has_hints, "{}: no hint: {errors:?}", path.display());
         let is_named = names.iter().flat_map(|line| line.split_whitespace()).all(|name| said.contains(name));
         if run.status.code() != Some(1) || seen != expected || !is_named || !files(&folder).is_empty() {
             let code = run.status.code();

@@ -96,7 +96,8 @@ fn triangulated(surface: PolygonMesh) -> Result<Mesh, Vec<Diagnostic>> {
             (_, Ok(list)) => mesh.triangles.extend(list.into_iter().map(|t| triangle(t, marker))),
             (_, Err(_)) => faults.push(
                 Diagnostic::error("bad-polygon", format!("polygon {} crosses itself or has no area", k + 1))
-                    .near(points[polygon[0] as usize]),
+                    .near(points[polygon[0] as usize])
+                    .hint("divide it into triangles, or take it out"),
             ),
         }
     }

@@ -19,6 +19,10 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+/// What to do about a missed threshold.
+const QUALITY: &str =
+    "the files are written; ask for a smaller --ratio, a larger --dihedral or smaller max_volume, or lower the bar";
+
 /// What a run says.
 #[derive(Serialize)]
 struct MeshReport<'a> {
@@ -219,7 +223,7 @@ fn report(
     }
     let unit = task.manifest.as_ref().map_or("", |m| &m.unit);
     session.complain(&task.warnings, &args.path, unit);
-    let faults: Vec<Diagnostic> = report.missed.iter().map(|m| Diagnostic::error("quality", m.clone())).collect();
+    let faults: Vec<Diagnostic> = report.missed.iter().map(|m| Diagnostic::error("quality", m.clone()).hint(QUALITY)).collect();
     session.complain(&faults, &args.path, unit);
     if !session.common.quiet {
         session.out.write_all(text(&report).as_bytes())?;

@@ -10,7 +10,7 @@ use crate::geom::polygon;
 use crate::ids::{LeafId, PartId};
 use crate::primitive::solid::Solid;
 use crate::round::Fault;
-use crate::scene::model::{Node, Policy, Scene};
+use crate::scene::model::{BoundarySelection, Node, Policy, Scene};
 use crate::select::Selected;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -81,9 +81,9 @@ pub fn gaps(scene: &Scene, solids: &[Solid], conforming: &Conforming) -> Outcome
 }
 
 /// Overlapping parts, if the scene forbids them, with the common volume.
-pub fn overlaps(scene: &Scene, arrangement: &Arrangement, classified: &Classified, selected: &Selected) -> Outcome<()> {
+pub fn overlaps(scene: &Scene, arrangement: &Arrangement, classified: &Classified, selected: &Selected) -> Vec<Diagnostic> {
     if scene.overlap == Policy::Allow || selected.overlaps.is_empty() {
-        return Ok(());
+        return Vec::new();
     }
     let mut claimants: BTreeMap<u32, BTreeSet<PartId>> = BTreeMap::new();
     for o in &selected.overlaps {
@@ -103,8 +103,7 @@ pub fn overlaps(scene: &Scene, arrangement: &Arrangement, classified: &Classifie
         let error = Diagnostic::error("overlap", text).at(b.span).near(place);
         Some(error.hint("subtract one from the other, or set `overlap: Allow`"))
     };
-    let errors: Vec<Diagnostic> = labels.iter().filter_map(describe).collect();
-    if errors.is_empty() { Ok(()) } else { Err(errors) }
+    labels.iter().filter_map(describe).collect()
 }
 
 /// Volume of the places with the given labels, and one of their vertices; `None` if there is no such place: parts that touch have
@@ -127,17 +126,58 @@ fn volume_of(arrangement: &Arrangement, classified: &Classified, labels: &BTreeS
 }
 
 /// Parts that are left without volume: errors. No part at all is one too.
-pub fn empty_parts(scene: &Scene, selected: &Selected) -> Outcome<Vec<Diagnostic>> {
+pub fn empty_parts(scene: &Scene, selected: &Selected) -> Vec<Diagnostic> {
     let alive: BTreeSet<PartId> = selected.part_of_volume.iter().copied().flatten().collect();
     let empty = scene.parts.enumerate().filter(|(id, _)| !alive.contains(id));
-    let errors: Vec<Diagnostic> = empty
+    empty
         .map(|(_, part)| {
             Diagnostic::error("empty-part", format!("part `{}` is empty: nothing is left of its solid", part.name))
                 .at(part.span)
                 .hint("later parts take the space of earlier ones: put an enclosing box first; or check the Boolean operations")
         })
-        .collect();
-    if errors.is_empty() { Ok(Vec::new()) } else { Err(errors) }
+        .collect()
+}
+
+/// Named boundaries that name nothing, and those of which another one that is listed earlier takes facets. That an `Outer`
+/// leaves facets to boundaries listed before it is what it is for.
+pub fn boundaries(scene: &Scene, arrangement: &Arrangement, selected: &Selected) -> Vec<Diagnostic> {
+    let place = |cell: u32| {
+        let corner = arrangement.cells.loops(cell as usize).next().and_then(|l| l.first().copied());
+        corner.map_or(Vec3::zeros(), |v| arrangement.points.at(v))
+    };
+    let mut found = Vec::new();
+    for (id, boundary) in scene.boundaries.enumerate() {
+        let claim = &selected.claims[id];
+        let (name, part) = (&boundary.name, &scene.parts[boundary.part].name);
+        let is_outer = matches!(boundary.selection, BoundarySelection::Outer);
+        if !claim.has_facets && claim.lost.is_empty() {
+            let (what, hint) = match is_outer {
+                true => ("no facet of the part faces the outside", "other parts cover it all: leave the boundary out"),
+                false => (
+                    "the side does not reach the surface of the part",
+                    "it lies inside the part, was cut off or is covered by a later part: name another side",
+                ),
+            };
+            let message = format!("the boundary `{name}` of part `{part}` names no facet: {what}");
+            found.push(Diagnostic::warning("empty-boundary", message).at(boundary.span).hint(hint));
+        } else if !(claim.lost.is_empty() || is_outer && claim.has_facets) {
+            let names = claim.lost.keys().map(|&w| format!("`{}`", scene.boundaries[w].name)).collect::<Vec<_>>();
+            let left = if claim.has_facets { "has the others" } else { "has none left" };
+            let message = format!(
+                "facets of the boundary `{name}` of part `{part}` are named by {} too, which is listed earlier and has them; \
+                 `{name}` {left}",
+                names.join(" and ")
+            );
+            let warning = Diagnostic::warning("taken-boundary", message).at(boundary.span);
+            let places = claim.lost.values().map(|&cell| place(cell));
+            found.push(
+                places
+                    .fold(warning, |w, p| w.near(p))
+                    .hint("a facet has one name: list the one first that shall have it, or drop the other"),
+            );
+        }
+    }
+    found
 }
 
 /// A result that rounding breaks: the parts and places.

@@ -81,7 +81,10 @@ pub fn render(mesh: &Mesh, meters: f64, format: Format, path: &Path) -> Result<V
         Format::Smesh => smesh::write(mesh, out),
         Format::Glb => glb::write(mesh, meters, out),
     }
-    .map_err(|e| Diagnostic::error("cannot-write", format!("{}: {e}", path.display())))?;
+    .map_err(|e| {
+        Diagnostic::error("cannot-write", format!("{}: {e}", path.display()))
+            .hint("choose another format; .msh and .vtu hold everything")
+    })?;
     Ok(content)
 }
 
@@ -102,7 +105,10 @@ pub fn load(path: &Path) -> Result<Mesh, Diagnostic> {
 
 /// A regular file's text, up to the size limit.
 pub(crate) fn read_text(path: &Path) -> Result<String, Diagnostic> {
-    let fault = |what: String| Diagnostic::error("not-read", format!("{}: {what}", path.display()));
+    let fault = |what: String| {
+        Diagnostic::error("not-read", format!("{}: {what}", path.display()))
+            .hint("give the path of a mesh file that can be read")
+    };
     let meta = fs::metadata(path).map_err(|e| fault(e.to_string()))?;
     if !meta.is_file() {
         return Err(fault("is no regular file".into()));

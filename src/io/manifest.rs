@@ -44,7 +44,7 @@ pub struct MarkerEntry {
     pub interface: i64,
     /// Area, in the unit squared.
     pub area: f64,
-    /// Number of facets.
+    /// Number of facets; 0 for an interface that named boundaries cover.
     pub facets: usize,
 }
 

@@ -54,6 +54,15 @@ pub enum SurfaceFormat {
 }
 
 impl SurfaceFormat {
+    /// As messages call it.
+    pub(crate) fn told(self) -> &'static str {
+        match self {
+            Self::Obj => "a Wavefront .obj",
+            Self::Off => "a Geomview .off",
+            Self::Stl => "an .stl, text or binary",
+        }
+    }
+
     /// By the file name's extension.
     pub fn of(path: &Path) -> Option<Self> {
         match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
@@ -76,19 +85,26 @@ pub fn read_surface(path: &Path) -> Result<PolygonMesh, Diagnostic> {
             Diagnostic::error("unknown-format", format!("{name}: unknown kind of surface file")).hint("use .obj, .off or .stl")
         );
     };
-    let cannot = |e: std::io::Error| Diagnostic::error("unreadable-file", format!("{name}: {e}"));
+    let cannot = |e: std::io::Error| {
+        Diagnostic::error("unreadable-file", format!("{name}: {e}")).hint("check its name and who may read it")
+    };
     let length = std::fs::metadata(path).map_err(cannot)?.len();
     if length > MAX_FILE_BYTES {
-        return Err(Diagnostic::error("too-large-file", format!("{name}: {length} bytes, more than {MAX_FILE_BYTES}")));
+        let fault = Diagnostic::error("too-large-file", format!("{name}: {length} bytes, more than {MAX_FILE_BYTES}"));
+        return Err(fault.hint("reduce the surface before it is imported"));
     }
     let bytes = std::fs::read(path).map_err(cannot)?;
-    let text = || String::from_utf8_lossy(&bytes);
+    // Some programs begin a text with a byte order mark.
+    let text = || String::from_utf8_lossy(bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&bytes));
     let mesh = match format {
         SurfaceFormat::Obj => obj::read(&text()),
         SurfaceFormat::Off => off::read(&text()),
         SurfaceFormat::Stl => stl::read(&bytes),
     };
-    mesh.map_err(|e| Diagnostic::error("malformed-file", e.in_file(path)))
+    mesh.map_err(|e| {
+        let fault = Diagnostic::error("malformed-file", e.in_file(path));
+        fault.hint(format!("is it really {}? Export it again, or correct that line", format.told()))
+    })
 }
 
 /// What is wrong with a file.

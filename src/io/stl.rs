@@ -17,12 +17,14 @@ pub fn read(bytes: &[u8]) -> Result<PolygonMesh, FormatError> {
     let is_binary = declared.is_some_and(|n| n.checked_mul(TRIANGLE).and_then(|l| l.checked_add(HEADER)) == Some(bytes.len()));
     if is_binary {
         read_binary(&bytes[HEADER..], &mut mesh)?;
-    } else if bytes.trim_ascii_start().starts_with(b"solid") {
+    } else if bytes.trim_ascii_start().starts_with(b"solid") && !bytes.contains(&0) {
         read_text(&String::from_utf8_lossy(bytes), &mut mesh)?;
     } else {
         let message = match declared {
-            Some(n) => format!("a binary STL of {n} triangles does not have {} bytes", bytes.len()),
-            None => "neither a text nor a binary STL".into(),
+            Some(n) if bytes.contains(&0) => {
+                format!("a binary STL of {n} triangles does not have {} bytes: is it cut off?", bytes.len())
+            }
+            _ => "neither a text nor a binary STL".into(),
         };
         return Err(FormatError::new(0, message));
     }
@@ -89,6 +91,8 @@ mod tests {
         assert_eq!(read(&bytes).unwrap(), text);
         assert_eq!(text.points[2], [0.0, 1.5, 0.0]);
         bytes.pop();
+        // A header that lies, on a file that is cut off.
+        assert!(read(&bytes).unwrap_err().message.contains("does not have"));
         assert!(read(&bytes[1..]).unwrap_err().message.contains("does not have"));
     }
 

@@ -75,5 +75,6 @@ impl<'t> Words<'t> {
     /// An error at the current line.
     pub fn fault(&self, what: impl AsRef<str>) -> Diagnostic {
         Diagnostic::error("bad-file", format!("{}:{}: {}", self.file, self.line, what.as_ref()))
+            .hint("the file is damaged or of another kind: write it again")
     }
 }

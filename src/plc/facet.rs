@@ -5,32 +5,117 @@ use crate::geom::Vec3;
 use crate::geom::polygon::{PolygonError, triangulate, vector_area};
 use crate::geom::predicates::{Projection, orient2d};
 use crate::geom::union_find::UnionFind;
+use spade::handles::{FixedFaceHandle, FixedVertexHandle, PossiblyOuterTag};
 use spade::{ConstrainedDelaunayTriangulation, Point2, PositionInTriangulation, Triangulation};
 use std::collections::{BTreeMap, BTreeSet};
 
+/// A facet as TetGen understands it.
+#[derive(Clone, Debug, Default)]
+pub struct Area {
+    /// Triangles over its own vertices, counter-clockwise about the normal of its largest polygon.
+    pub triangles: Vec<[u32; 3]>,
+    /// Its hole points that take nothing away, since what encloses them is none of its segments.
+    pub idle_holes: Vec<Vec3>,
+    /// Its hole points that lie on a segment, so that nobody knows what they take away.
+    pub unclear_holes: Vec<Vec3>,
+}
+
 /// Triangles of a facet over its own vertices, counter-clockwise about the normal of its largest polygon.
 ///
-/// A facet is what its segments enclose, less what is reached from its hole points without crossing a segment.
+/// # Errors
+/// As [`area_of`].
+pub fn triangulate_facet(facet: &PlcFacet, points: &[Vec3]) -> Result<Vec<[u32; 3]>, PolygonError> {
+    area_of(facet, points).map(|area| area.triangles)
+}
+
+/// What the segments of a facet enclose, less what is reached from its hole points without crossing a segment.
 ///
 /// # Errors
-/// If segments cross or overlap in the dominant projection, or nothing is enclosed.
-pub fn triangulate_facet(facet: &PlcFacet, points: &[Vec3]) -> Result<Vec<[u32; 3]>, PolygonError> {
+/// If segments cross, overlap or pass through a vertex in the dominant projection, or nothing is enclosed.
+pub fn area_of(facet: &PlcFacet, points: &[Vec3]) -> Result<Area, PolygonError> {
     let (wide, narrow): (Vec<&[u32]>, Vec<&[u32]>) = facet.polygons.iter().map(Vec::as_slice).partition(|p| p.len() > 2);
-    if let [outer] = wide[..] {
+    if let [outer] = wide[..]
+        && facet.holes.is_empty()
+        && is_once_each(outer)
+    {
         let chains: Vec<[u32; 2]> = narrow.iter().filter_map(|p| <[u32; 2]>::try_from(*p).ok()).collect();
         let lone: Vec<u32> = narrow.iter().filter(|p| p.len() == 1).map(|p| p[0]).collect();
-        return triangulate(&[outer], &chains, &lone, points);
+        return triangulate(&[outer], &chains, &lone, points).map(|triangles| Area { triangles, ..Area::default() });
     }
     let areas = wide.iter().map(|w| vector_area([*w], points));
-    let normal = areas.max_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared())).unwrap_or_default();
+    let widest = areas.max_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared())).unwrap_or_default();
+    let normal = if widest == Vec3::zeros() { normal_across(facet, points) } else { widest };
     if normal == Vec3::zeros() {
         return Err(PolygonError::Flat);
     }
     enclosed(facet, points, Projection::along(&normal))
 }
 
+/// Whether no vertex is listed twice.
+pub fn is_once_each(polygon: &[u32]) -> bool {
+    let mut sorted = polygon.to_vec();
+    sorted.sort_unstable();
+    sorted.windows(2).all(|w| w[0] != w[1])
+}
+
+/// Normal of the plane through three vertices that are far apart: for facets whose segments are listed one by one.
+fn normal_across(facet: &PlcFacet, points: &[Vec3]) -> Vec3 {
+    let all = || facet.polygons.iter().flatten().map(|&v| points[v as usize]);
+    let Some(first) = all().next() else { return Vec3::zeros() };
+    let farthest = |size: &dyn Fn(&Vec3) -> f64| all().fold(first, |far, p| if size(&p) > size(&far) { p } else { far });
+    let second = farthest(&|p| (p - first).norm_squared());
+    let third = farthest(&|p| (second - first).cross(&(p - first)).norm_squared());
+    (second - first).cross(&(third - first))
+}
+
+/// The segments that a polygon lists: none for a lone vertex, one for two vertices, else a closed walk.
+pub fn segments_of(polygon: &[u32]) -> impl Iterator<Item = [u32; 2]> {
+    let count = if polygon.len() == 2 { 1 } else { polygon.len() };
+    (0..count)
+        .map(|k| [polygon[k], polygon[(k + 1) % polygon.len()]])
+        .filter(|[a, b]| a != b)
+        .map(|[a, b]| [a.min(b), a.max(b)])
+}
+
+/// What a facet lists outside of its area.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Strays {
+    /// Segments of closed polygons that lead out of the area and back.
+    pub spikes: Vec<[u32; 2]>,
+    /// Segments listed as polygons of two vertices.
+    pub segments: Vec<[u32; 2]>,
+    /// Vertices listed as polygons of one.
+    pub vertices: Vec<u32>,
+}
+
+/// What a facet with this triangulation lists outside of it.
+pub fn strays(facet: &PlcFacet, triangles: &[[u32; 3]]) -> Strays {
+    let mut strays = Strays::default();
+    if let [only] = &facet.polygons[..]
+        && only.len() == triangles.len() + 2
+        && is_once_each(only)
+    {
+        return strays;
+    }
+    let corners: BTreeSet<u32> = triangles.iter().flatten().copied().collect();
+    let edges: BTreeSet<[u32; 2]> = triangles.iter().flat_map(|t| segments_of(t)).collect();
+    for polygon in &facet.polygons {
+        let outside = segments_of(polygon).filter(|s| !edges.contains(s));
+        match polygon[..] {
+            [v] => strays.vertices.extend((!corners.contains(&v)).then_some(v)),
+            [_, _] => strays.segments.extend(outside),
+            _ => strays.spikes.extend(outside),
+        }
+    }
+    for list in [&mut strays.spikes, &mut strays.segments] {
+        list.sort_unstable();
+        list.dedup();
+    }
+    strays
+}
+
 /// Constrained Delaunay triangulation of all segments, without what is reached from outside or from a hole point.
-fn enclosed(facet: &PlcFacet, points: &[Vec3], projection: Projection) -> Result<Vec<[u32; 3]>, PolygonError> {
+fn enclosed(facet: &PlcFacet, points: &[Vec3], projection: Projection) -> Result<Area, PolygonError> {
     let vertices: Vec<u32> = facet.polygons.iter().flatten().copied().collect::<BTreeSet<_>>().into_iter().collect();
     // Flush what spade would refuse as too small.
     let tidy = |x: f64| if x.abs() < spade::MIN_ALLOWED_VALUE { 0.0 } else { x };
@@ -40,33 +125,49 @@ fn enclosed(facet: &PlcFacet, points: &[Vec3], projection: Projection) -> Result
     };
     let positions: Vec<Point2<f64>> = vertices.iter().map(|&v| flat(&points[v as usize])).collect();
     let slot = |v: u32| vertices.binary_search(&v).unwrap_or(0);
-    let segments: BTreeSet<[usize; 2]> = facet
-        .polygons
-        .iter()
-        .flat_map(|w| (0..w.len()).map(move |k| [slot(w[k]), slot(w[(k + 1) % w.len()])]))
-        .filter(|[a, b]| a != b)
-        .map(|[a, b]| [a.min(b), a.max(b)])
-        .collect();
+    let listed: BTreeSet<[u32; 2]> = facet.polygons.iter().flat_map(|w| segments_of(w)).collect();
+    let segments: Vec<[usize; 2]> = listed.into_iter().map(|s| s.map(slot)).collect();
     let mut is_simple = true;
     let cdt =
-        ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(positions, segments.into_iter().collect(), |_| {
-            is_simple = false
-        })
-        .map_err(|_| PolygonError::NotSimple)?;
-    if !is_simple || cdt.num_vertices() != vertices.len() {
+        Cdt::try_bulk_load_cdt(positions, segments.clone(), |_| is_simple = false).map_err(|_| PolygonError::NotSimple)?;
+    let handle = FixedVertexHandle::from_index;
+    // A segment through a vertex has become two.
+    let is_edge = |s: &[usize; 2]| cdt.get_edge_from_neighbors(handle(s[0]), handle(s[1])).is_some();
+    if !is_simple || cdt.num_vertices() != vertices.len() || !segments.iter().all(is_edge) {
         return Err(PolygonError::NotSimple);
     }
+    let mut area = Area::default();
     let mut is_gone = vec![false; cdt.num_all_faces()];
-    let mut stack = vec![cdt.outer_face().fix()];
+    carve(&cdt, &mut is_gone, vec![cdt.outer_face().fix()]);
+    let mut stack = Vec::new();
+    let is_outside = is_gone.clone();
     for hole in &facet.holes {
-        match cdt.locate(flat(hole)) {
-            PositionInTriangulation::OnFace(f) => stack.push(cdt.face(f).adjacent_edges()[0].face().fix()),
+        let face = match cdt.locate(flat(hole)) {
+            PositionInTriangulation::OnFace(f) => Some(cdt.face(f).adjacent_edges()[0].face().fix()),
             PositionInTriangulation::OnEdge(e) if !cdt.directed_edge(e).is_constraint_edge() => {
-                stack.push(cdt.directed_edge(e).face().fix());
+                Some(cdt.directed_edge(e).face().fix())
             }
-            _ => {}
+            PositionInTriangulation::OnEdge(_) | PositionInTriangulation::OnVertex(_) => {
+                area.unclear_holes.push(*hole);
+                continue;
+            }
+            PositionInTriangulation::OutsideOfConvexHull(_) | PositionInTriangulation::NoTriangulation => None,
+        };
+        match face.filter(|f| !is_outside[f.index()]) {
+            Some(face) => stack.push(face),
+            None => area.idle_holes.push(*hole),
         }
     }
+    carve(&cdt, &mut is_gone, stack);
+    let inner = cdt.inner_faces().filter(|f| !is_gone[f.index()]);
+    area.triangles = inner.map(|f| f.vertices().map(|v| vertices[v.fix().index()])).collect();
+    if area.triangles.is_empty() { Err(PolygonError::Flat) } else { Ok(area) }
+}
+
+type Cdt = ConstrainedDelaunayTriangulation<Point2<f64>>;
+
+/// Marks what is reached from these faces without crossing a segment.
+fn carve(cdt: &Cdt, is_gone: &mut [bool], mut stack: Vec<FixedFaceHandle<PossiblyOuterTag>>) {
     while let Some(f) = stack.pop() {
         if std::mem::replace(&mut is_gone[f.index()], true) {
             continue;
@@ -77,9 +178,6 @@ fn enclosed(facet: &PlcFacet, points: &[Vec3], projection: Projection) -> Result
         };
         stack.extend(borders.iter().filter(|e| !e.is_constraint_edge()).map(|e| e.rev().face().fix()));
     }
-    let inner = cdt.inner_faces().filter(|f| !is_gone[f.index()]);
-    let triangles: Vec<[u32; 3]> = inner.map(|f| f.vertices().map(|v| vertices[v.fix().index()])).collect();
-    if triangles.is_empty() { Err(PolygonError::Flat) } else { Ok(triangles) }
 }
 
 /// A point strictly inside each connected piece of a polygon, which is given clockwise or counter-clockwise about the facet's
@@ -143,6 +241,38 @@ mod tests {
         assert_eq!(area(&triangulate_facet(&facet, &points).unwrap(), &points), 12.0);
         facet.holes.clear();
         assert_eq!(area(&triangulate_facet(&facet, &points).unwrap(), &points), 16.0);
+        // The inner square edge by edge, a hole point in its plane but outside, and one that leaves nothing.
+        let one_by_one = [[4, 5], [5, 6], [6, 7], [7, 4]].map(|s| s.to_vec());
+        facet.polygons.splice(1.., one_by_one);
+        facet.holes.push(Vec3::new(2., 2., 0.));
+        assert_eq!(area(&triangulate_facet(&facet, &points).unwrap(), &points), 12.0);
+        facet.holes.push((points[0] + points[4]) * 0.5);
+        assert_eq!(triangulate_facet(&facet, &points), Err(PolygonError::Flat));
+    }
+
+    #[test]
+    fn hole_points_that_do_nothing_and_those_on_a_segment_are_told() {
+        let (points, mut facet) = ring();
+        facet.holes = vec![Vec3::new(9., 2., 0.), Vec3::new(2., 1., 0.)];
+        let found = area_of(&facet, &points).unwrap();
+        assert_eq!((&found.idle_holes[..], &found.unclear_holes[..]), (&facet.holes[..1], &facet.holes[1..]));
+        assert_eq!(area(&found.triangles, &points), 16.0);
+    }
+
+    #[test]
+    fn what_is_listed_outside_of_the_area_is_a_stray() {
+        let (mut points, _) = ring();
+        points.push(Vec3::new(9., 9., 0.));
+        points.push(Vec3::new(5., 5., 0.));
+        let strays_of = |polygons: &[&[u32]]| {
+            let facet = PlcFacet { polygons: polygons.iter().map(|p| p.to_vec()).collect(), ..PlcFacet::default() };
+            strays(&facet, &triangulate_facet(&facet, &points).unwrap())
+        };
+        assert_eq!(strays_of(&[&[0, 1, 2, 8, 2, 3]]), Strays { spikes: vec![[2, 8]], ..Strays::default() });
+        assert_eq!(strays_of(&[&[0, 1, 2, 3], &[8, 9]]), Strays { segments: vec![[8, 9]], ..Strays::default() });
+        assert_eq!(strays_of(&[&[0, 1, 2, 3], &[4, 6], &[5], &[9]]), Strays { vertices: vec![9], ..Strays::default() });
+        // There and back inside of the area is an edge of it.
+        assert_eq!(strays_of(&[&[0, 1, 2, 6, 2, 3]]), Strays::default());
     }
 
     #[test]

@@ -5,6 +5,7 @@
 //! inside it is an outer one; the others are joined to their volume along a line to the outside.
 
 use super::cast::{CastError, Caster};
+use super::measure::enclosed_volumes;
 use crate::geom::Vec3;
 use crate::geom::embedding::projection_of;
 use crate::geom::predicates::{orient2d, orient3d};
@@ -105,15 +106,13 @@ fn radial_order([a, b]: [u32; 2], fan: &[([u32; 2], u32)], points: &[Vec3], tria
 fn assemble(volumes: &mut Volumes, mut join: Joiner, points: &[Vec3], triangles: &[[u32; 3]], caster: &Caster) {
     let sides = 2 * triangles.len() as u32;
     let (shell_of, shells) = std::mem::replace(&mut join.sides, UnionFind::new(0)).number();
-    let mut content = vec![0.0f64; shells];
+    let corners = |t: usize| triangles[t].map(|v| points[v as usize]);
+    let walls = || (0..triangles.len()).map(|t| (corners(t), [shell_of[2 * t], shell_of[2 * t + 1]]));
+    let content = enclosed_volumes(shells, walls);
     let mut largest = vec![(-1.0f64, 0u32); shells];
     let mut characteristic = vec![0i64; shells];
-    let origin = points.first().copied().unwrap_or_default();
     for (s, &shell) in shell_of.iter().enumerate() {
-        let [a, b, c] = triangles[s / 2].map(|v| points[v as usize] - origin);
-        // The normal that leaves the volume points backwards on the front side.
-        let outwards = if s % 2 == 0 { -1.0 } else { 1.0 };
-        content[shell as usize] += outwards * a.dot(&b.cross(&c));
+        let [a, b, c] = corners(s / 2);
         let area = (b - a).cross(&(c - a)).norm_squared();
         if area > largest[shell as usize].0 {
             largest[shell as usize] = (area, (s / 2) as u32);

@@ -184,6 +184,11 @@ fn divide_group(
         let [from, to] = ends(member).map(|e| find_near(&hard, e, reach).unwrap_or(e));
         let breakpoints = if request.is_full() {
             walk(&all, if hard.is_empty() { first } else { all[0].0 }, None, member.sense)
+        } else if from == to && request.sweep < 180.0 {
+            // An arc below the tolerance stays what it is, for the contact step to refuse by name; it is no full circle.
+            let [from, to] = ends(member);
+            let end = |degrees, along| Breakpoint { degrees, along, is_hard: true };
+            vec![end(from, 0.0), end(to, request.sweep)]
         } else {
             walk(&all, from, Some(to), member.sense)
         };

@@ -45,10 +45,12 @@ pub(crate) fn pyramid(frame: &Frame, base: &[[f64; 2]], apex: &Vec3, transform: 
     if area < 0.0 {
         chain.reverse();
     }
-    profile::check_region(&[chain], area.abs())
-        .map_err(|fault| Diagnostic::error("bad-profile", format!("the pyramid's base {fault}")))?;
+    profile::check_region(&[chain], area.abs()).map_err(|fault| {
+        Diagnostic::error("bad-profile", format!("the pyramid's base {fault}")).hint("list its points in order around it")
+    })?;
     if apex.z == 0.0 {
-        return Err(Diagnostic::error("bad-profile", "the pyramid's apex lies in the plane of its base"));
+        let fault = Diagnostic::error("bad-profile", "the pyramid's apex lies in the plane of its base");
+        return Err(fault.hint("give it a height"));
     }
     // Given clockwise from above, or seen from below, the base faces the other way.
     let is_turned = (area < 0.0) != (apex.z < 0.0);

@@ -64,7 +64,7 @@ pub(crate) fn arcs(
         if let Some(arc) = &segment.arc {
             let radius = distance(arc.center, from);
             if radius <= 0.0 {
-                return Err(Diagnostic::error("bad-profile", "an arc has radius 0"));
+                return Err(Diagnostic::error("bad-profile", "an arc has radius 0").hint("move its centre off its start"));
             }
             let (start, sweep) = range_of(arc, from, segment.end);
             requests.push(CircleRequest {

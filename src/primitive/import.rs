@@ -7,7 +7,7 @@
 use super::division::MAX_FACETS;
 use super::place::Place;
 use super::solid::{Freedom, Shape, Solid, SolidFacet, SolidSurface, SolidVertex};
-use crate::diag::Diagnostic;
+use crate::diag::{Diagnostic, short};
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
 use crate::geom::embedding;
@@ -23,6 +23,9 @@ const STL_TOLERANCE: f64 = 1e-6;
 const FLAT: f64 = 4.0 * f64::EPSILON;
 /// Edges at which facets turn by more are features (cosine of 40 degrees): coarser curved imports hardly exist.
 const FEATURE_COSINE: f64 = 0.766;
+/// Largest coordinate and smallest size of what a scene may hold, in its unit.
+const LARGEST: f64 = 1e9;
+const SMALLEST: f64 = 1e-9;
 /// Places listed in a message.
 const LISTED: usize = 5;
 
@@ -35,17 +38,32 @@ struct Surface {
 /// Reads and checks the surface of a leaf.
 ///
 /// # Errors
-/// `malformed-file` and its like from reading; `open-surface`; `flat-facet`; `no-volume`; `too-many-facets`.
+/// `malformed-file` and its like from reading; `open-surface`; `flat-facet`; `no-volume`; `no-facets`; `too-many-facets`.
 pub(crate) fn import(leaf: &Leaf, path: &Path, scale: f64) -> Result<Solid, Diagnostic> {
     let mesh = io::read_surface(path)?;
     let file = path.display().to_string();
-    if mesh.polygons.is_empty() || mesh.polygons.len() > MAX_FACETS {
-        let message = format!("{file}: {} facets; there must be some, at most {MAX_FACETS}", mesh.polygons.len());
-        return Err(Diagnostic::error("too-many-facets", message));
+    if mesh.polygons.is_empty() {
+        let fault = Diagnostic::error("no-facets", format!("{file}: the file has no facets"));
+        let kind = SurfaceFormat::of(path).map_or("a surface", SurfaceFormat::told);
+        return Err(fault.hint(format!("is it really {kind}? Export the surface again, as polygons or triangles")));
+    }
+    if mesh.polygons.len() > MAX_FACETS {
+        let message = format!("{file}: {} facets are more than {MAX_FACETS}", mesh.polygons.len());
+        return Err(Diagnostic::error("too-many-facets", message).hint("reduce it before it is imported"));
     }
     let place = Place::of_axes(&leaf.transform);
     let at = |p: &[f64; 3]| place.point(p[0] * scale, p[1] * scale, p[2] * scale);
     let points: Vec<Vec3> = mesh.points.iter().map(at).collect();
+    if let Some(p) = points.iter().find(|p| !p.iter().all(|x| x.abs() <= LARGEST)) {
+        let message =
+            format!("{file}: a point lies {} from the origin; coordinates go up to {LARGEST:e} units", short(p.amax()));
+        return Err(Diagnostic::error("out-of-range", message).hint("check the file, and `unit` and `scale` of the import"));
+    }
+    let extent = Aabb::around(&points).diagonal();
+    if extent < SMALLEST {
+        let message = format!("{file}: the surface has a size of {}; sizes go from {SMALLEST:e} units", short(extent));
+        return Err(Diagnostic::error("out-of-range", message).hint("check the file, and `unit` and `scale` of the import"));
+    }
     let tolerance = leaf.tolerance.unwrap_or(match SurfaceFormat::of(path) {
         Some(SurfaceFormat::Stl) => STL_TOLERANCE,
         _ => 0.0,
@@ -61,7 +79,8 @@ pub(crate) fn import(leaf: &Leaf, path: &Path, scale: f64) -> Result<Solid, Diag
     }
     let volume = surface.volume();
     if volume == 0.0 || !volume.is_finite() {
-        return Err(Diagnostic::error("no-volume", format!("{file}: the surface encloses no volume")));
+        let fault = Diagnostic::error("no-volume", format!("{file}: the surface encloses no volume"));
+        return Err(fault.hint("it is flat, or its facets lie twice over each other: export the solid again"));
     }
     if volume < 0.0 {
         surface.turn();
@@ -171,7 +190,10 @@ fn check_closed(surface: &Surface, file: &str) -> Result<(), Diagnostic> {
         return Ok(());
     }
     let is_twisted = open.iter().all(|e| e.2 % 2 == 0);
-    let (message, hint) = if is_twisted {
+    let is_doubled = open.iter().all(|e| e.2 > 2);
+    let (message, hint) = if is_doubled {
+        ("more than two facets meet, and they do not match,", "facets are there twice, or inner walls are left: remove them")
+    } else if is_twisted {
         ("facets of opposite orientation meet", "orient all facets outwards")
     } else {
         ("the surface is not closed", "close its holes, or give the import a tolerance that welds its points")
@@ -313,6 +335,10 @@ mod tests {
         assert_eq!((open.code, open.points.len()), ("open-surface", 4));
         let twisted = read("e.off", &CUBE.replace("4 3 0 4 7", "4 7 4 0 3")).unwrap_err();
         assert!(twisted.message.contains("opposite orientation"));
+        let doubled = read("i.off", &(CUBE.replace("8 6 0", "8 7 0") + "4 3 0 4 7\n")).unwrap_err();
+        assert!(doubled.message.contains("more than two facets"), "{}", doubled.message);
+        assert_eq!(read("j.off", &CUBE.replace("1 1 1", "1 1 1e300")).unwrap_err().code, "out-of-range");
+        assert_eq!(read("k.off", "OFF\n0 0 0\n").unwrap_err().code, "no-facets");
         assert_eq!(read("f.off", &CUBE.replace("4 3 0 4 7", "4 3 0 4 0")).unwrap_err().code, "flat-facet");
         assert_eq!(read("g.off", &CUBE.replace("4 3 0 4 7", "4 3 0 4 8")).unwrap_err().code, "malformed-file");
         assert_eq!(read("h.ply", "").unwrap_err().code, "unknown-format");

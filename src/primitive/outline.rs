@@ -80,7 +80,19 @@ pub(crate) fn range_of(arc: &Arc2, from: [f64; 2], to: [f64; 2]) -> (f64, f64) {
     let [a, b] = [from, to].map(|p| angle::of_direction(p[0] - arc.center[0], p[1] - arc.center[1]));
     let (a, b) = if arc.is_ccw { (a, b) } else { (b, a) };
     let sweep = angle::tidy(angle::canonical(b - a));
-    (a, if from == to || sweep == 0.0 { 360.0 } else { sweep })
+    let is_short = sweep == 0.0 || sweep == 360.0;
+    // Ends that differ by less than angles tell are those of an arc as short as its chord.
+    let chord = || (distance(from, to) / distance(arc.center, from)).to_degrees();
+    (
+        a,
+        if from == to {
+            360.0
+        } else if is_short {
+            chord()
+        } else {
+            sweep
+        },
+    )
 }
 
 /// Distance of two points.
@@ -248,4 +260,5 @@ impl Outline {
 
 fn bad(message: &str, at: [f64; 2]) -> Diagnostic {
     Diagnostic::error("bad-profile", format!("{message} (at {}, {} in its plane)", at[0], at[1]))
+        .hint("use more segments, or correct the curve there")
 }

@@ -78,7 +78,9 @@ impl Maker<'_> {
         };
         let columns = turn.columns(piece, 1.0);
         let length = |i: usize| columns.sweep().to_radians() * radius(i);
-        check_count((from..to).map(|i| 2.0 * length(i) / chords(i)).sum())?;
+        // A vertex on the axis is one vertex, with no row of chords.
+        let row = |i: usize| if radius(i) > 0.0 { 2.0 * length(i) / chords(i) } else { 0.0 };
+        check_count((from..to).map(row).sum())?;
         // Rows in the sense that is counter-clockwise in the half plane of the axis, whatever the leaf's.
         let circle = &sweep.circles[turn.circle];
         let is_rising = arc.is_ccw == ((circle.place.axes[2].dot(&circle.axis.z) > 0.0) == (turn.sense > 0.0));

@@ -20,7 +20,7 @@ pub(crate) fn divide(profile: &Profile, rule: &mut Rule) -> Result<Vec<Outline>,
     }
     for (k, outline) in loops.iter_mut().enumerate() {
         if !outline.is_closed {
-            return Err(Diagnostic::error("bad-profile", "the profile is not closed"));
+            return Err(Diagnostic::error("bad-profile", "the profile is not closed").hint("leave out `closed: false`"));
         }
         outline.orient(k == 0);
     }

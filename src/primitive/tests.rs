@@ -102,6 +102,35 @@ pub(super) fn check(solid: &Solid) -> i64 {
     p.len() as i64 - edges.len() as i64 / 2 + solid.facets.len() as i64 - holes
 }
 
+#[test]
+fn a_circle_that_touches_its_axis_is_turned() {
+    let arc = Some(Arc2 { center: [5.0, 0.0], is_ccw: true });
+    let segments = vec![Segment2 { end: [10.0, 0.0], arc, name: None }];
+    let outer = Path2 { start: [10.0, 0.0], segments, is_closed: true };
+    let profile = Profile { outer, holes: Vec::new() };
+    let solid = one(leaf(Primitive::Revolution { frame: FRAME, profile, start: 0.0, angle: TAU }));
+    // Pinched in one vertex, whose two uses belong to one shell: a sphere with two points made one.
+    assert_eq!(check(&solid), 1);
+    // The polyhedron has less than the torus by its chord error.
+    let exact = 2.0 * PI * PI * 5.0 * 25.0;
+    assert!((0.95..1.0).contains(&(volume(&solid) / exact)), "{}", volume(&solid) / exact);
+}
+
+#[test]
+fn an_arc_below_the_tolerance_is_no_circle() {
+    let line = |end| Segment2 { end, arc: None, name: None };
+    for radius in [1e-9, 2e-8] {
+        let center = [20.0 - radius, 5.0];
+        let arc = Segment2 { end: [20.0 - radius, 5.0 + radius], arc: Some(Arc2 { center, is_ccw: true }), name: None };
+        let segments = vec![line([20.0, 0.0]), line([20.0, 5.0]), arc, line([10.0, 5.0 + radius]), line([10.0, 0.0])];
+        let outer = Path2 { start: [10.0, 0.0], segments, is_closed: true };
+        let profile = Profile { outer, holes: Vec::new() };
+        let solid = one(leaf(Primitive::Revolution { frame: FRAME, profile, start: 0.0, angle: TAU }));
+        let exact = PI * (400.0 - 100.0) * 5.0;
+        assert!((0.97..1.0).contains(&(volume(&solid) / exact)));
+    }
+}
+
 pub(super) fn smallest_angle(solid: &Solid, side: &str) -> f64 {
     let p = points(solid);
     let mut smallest = 180f64;

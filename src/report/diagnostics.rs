@@ -44,9 +44,8 @@ fn write_one(out: &mut String, d: &Diagnostic, style: &Style) -> std::fmt::Resul
         && let Some(line) = (span.line as usize).checked_sub(1).and_then(|k| text.lines().nth(k))
     {
         let number = span.line.to_string();
-        let shown: String = printable(line).chars().take(MAX_LINE).collect();
+        let (shown, caret) = excerpt(&printable(line), (span.column as usize).saturating_sub(1));
         writeln!(out, " {number} | {shown}")?;
-        let caret = (span.column as usize).saturating_sub(1);
         if span.column > 0 && caret <= shown.chars().count() {
             writeln!(out, " {:width$} | {:caret$}^", "", "", width = number.len())?;
         }
@@ -58,6 +57,16 @@ fn write_one(out: &mut String, d: &Diagnostic, style: &Style) -> std::fmt::Resul
         writeln!(out, "  hint: {}", printable(hint))?;
     }
     Ok(())
+}
+
+/// The part of a long line around a column, and the column in it.
+fn excerpt(line: &str, column: usize) -> (String, usize) {
+    let count = line.chars().count();
+    let first = if column < MAX_LINE { 0 } else { (column - MAX_LINE / 2).min(count.saturating_sub(MAX_LINE)) };
+    let head = if first > 0 { "... " } else { "" };
+    let tail = if count > first + MAX_LINE { " ..." } else { "" };
+    let shown: String = line.chars().skip(first).take(MAX_LINE).collect();
+    (format!("{head}{shown}{tail}"), column - first + head.len())
 }
 
 /// Names come from untrusted files: no control characters reach the terminal; a tab is one column.
@@ -90,6 +99,11 @@ mod tests {
         let expected = "a.ron:2:10: error[bad-unit]: unit `\u{fffd}foot` is not known\n 2 |   units: \"foot\",\n   \
                         |          ^\n  at (1.0, 2.5, 0.0) mm\n  hint: use mm\n";
         assert_eq!(render(&d, &style), expected);
+        // A long line is shown around the column.
+        let line = format!("{}gap{}", "x, ".repeat(300), ", y".repeat(300));
+        let (shown, caret) = excerpt(&line, 900);
+        assert_eq!((&shown[caret..caret + 3], shown.len()), ("gap", MAX_LINE + 8));
+        assert_eq!(excerpt(&line, 2 * 900 + 3).1, MAX_LINE + 4);
         assert!(render(&d, &Style { is_coloured: true, ..style }).contains("\x1b[1;31merror[bad-unit]\x1b[0m"));
     }
 }

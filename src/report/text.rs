@@ -1,7 +1,9 @@
 //! The report as text for a terminal.
 
 use super::Report;
+use crate::io::manifest;
 use std::fmt::{self, Display, Write};
+use std::path::Path;
 
 /// Rows of a table, the first one its heading.
 struct Table {
@@ -74,7 +76,8 @@ fn write_all(out: &mut String, r: &Report) -> fmt::Result {
     writeln!(out, "\ntime")?;
     write!(out, "{}", times(r))?;
     if let Some(path) = &r.output {
-        writeln!(out, "\nwritten: {path}")?;
+        let manifest = manifest::path_beside(Path::new(path));
+        writeln!(out, "\nwritten: {path}, {}", manifest.display())?;
     }
     Ok(())
 }
@@ -96,7 +99,8 @@ fn parts(r: &Report) -> Table {
 
 fn interfaces(r: &Report) -> Table {
     let heading = ["marker", "name", "between", "area", "facets"].map(String::from).to_vec();
-    let rows = r.interfaces.iter().map(|i| {
+    // Where boundaries cover all of an interface, its own number stands on no facet.
+    let rows = r.interfaces.iter().filter(|i| i.facets > 0).map(|i| {
         let side = |k: usize| i.parts[k].as_deref().unwrap_or("outside");
         let area = format!("{} {}^2", significant(i.area), r.unit);
         vec![i.marker.to_string(), i.name.clone(), format!("{} | {}", side(0), side(1)), area, i.facets.to_string()]

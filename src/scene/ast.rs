@@ -146,6 +146,30 @@ pub(super) enum Axis {
     Z,
 }
 
+/// The values between parentheses, however many.
+pub(super) struct Values<'a>(pub Vec<Raw<'a>>);
+
+impl<'de: 'a, 'a> Deserialize<'de> for Values<'a> {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Visitor;
+        impl<'de> serde::de::Visitor<'de> for Visitor {
+            type Value = Vec<Raw<'de>>;
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("values in parentheses (x, y, z)")
+            }
+            fn visit_seq<A: serde::de::SeqAccess<'de>>(self, mut seq: A) -> Result<Self::Value, A::Error> {
+                let mut values = Vec::new();
+                while let Some(value) = seq.next_element()? {
+                    values.push(value);
+                }
+                Ok(values)
+            }
+        }
+        // The reader of RON goes on to the closing parenthesis, whatever number it is told.
+        deserializer.deserialize_tuple(3, Visitor).map(Values)
+    }
+}
+
 /// Entries of a map in the order in which they are written, none lost when keys repeat (serde's own maps keep the last).
 pub(super) struct Entries<'a>(pub Vec<(Raw<'a>, Raw<'a>)>);
 

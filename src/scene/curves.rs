@@ -96,6 +96,7 @@ impl<'a> Reader<'a> {
                         at,
                         "out-of-range",
                         format!("`radius` {radius} is larger than half the shorter side, {most}"),
+                        "make the radius smaller or the rectangle larger",
                     );
                 }
                 Some(rounded_rectangle(lo, hi, radius))
@@ -118,11 +119,15 @@ impl<'a> Reader<'a> {
         let [min, max, size, center, at] = fields;
         let (lo, hi) = if let Some(raw) = size.0 {
             if let Some(other) = min.0.or(max.0) {
-                return self.fail(other, "conflict", format!("{} has `size` as well as `min` or `max`", owner.kind));
+                let message = format!("{} has `size` as well as `min` or `max`", owner.kind);
+                return self.fail(other, "conflict", message, "leave out one of them");
             }
             let size = self.point2("size", raw)?;
             let lo = match (center.0, at.0) {
-                (Some(_), Some(raw)) => return self.fail(raw, "conflict", "both `center` and `at` are given"),
+                (Some(_), Some(raw)) => {
+                    let message = format!("{} has both `center` and `at`", owner.kind);
+                    return self.fail(raw, "conflict", message, "leave out one of them: `at` is the lowest corner");
+                }
                 (Some(raw), None) => self.point2("center", raw).map(|c| [c[0] - 0.5 * size[0], c[1] - 0.5 * size[1]]),
                 _ => self.point2_or_origin("at", at),
             }?;
@@ -133,7 +138,9 @@ impl<'a> Reader<'a> {
             (lo?, hi?)
         };
         if (hi[0] - lo[0]).min(hi[1] - lo[1]) < SMALLEST {
-            return self.fail(owner.raw, "not-positive", format!("both sides of the {} must be positive", owner.kind));
+            let message =
+                format!("both sides of the {} must be positive; they are {} and {}", owner.kind, hi[0] - lo[0], hi[1] - lo[1]);
+            return self.fail(owner.raw, "not-positive", message, "exchange the coordinates, or check the parameters");
         }
         Some((lo, hi))
     }
@@ -148,13 +155,17 @@ impl<'a> Reader<'a> {
             let from = path.segments.last().map_or(start, |s| s.end);
             let segment = self.segment(raw, from)?;
             if segment.arc.is_none() && segment.end == from {
-                return self.fail(raw, "not-positive", "this line has no length");
+                let message = format!("this line has no length: it starts at ({}, {}) already", from[0], from[1]);
+                return self.fail(raw, "not-positive", message, "take it out; a closed path ends at its start by itself");
             }
             path.segments.push(segment);
         }
         let extent = path.segments.iter().map(|s| distance(s.end, start)).fold(0.0, f64::max);
         match path.segments.last_mut() {
-            None => return self.fail(owner.raw, "wrong-length", "a path needs segments"),
+            None => {
+                let hint = "write segments: [Line(to: (x, y)), Arc(to: (x, y), center: (x, y))]";
+                return self.fail(owner.raw, "wrong-length", "a path needs segments", hint);
+            }
             Some(last) if is_closed && distance(last.end, start) <= CLOSED * extent => last.end = start,
             Some(_) if is_closed => path.segments.push(line(start)),
             Some(_) => {}
@@ -191,18 +202,29 @@ impl<'a> Reader<'a> {
             (Some(to), Some(center), None, None, None) => {
                 let (r, s) = (distance(center, from), distance(center, to));
                 if r < SMALLEST || (r - s).abs() > ARC_AGREEMENT * r {
-                    return self.fail(owner.raw, "bad-arc", format!("the ends of the arc lie {r} and {s} from its centre"));
+                    let message = format!("the ends of the arc lie {r} and {s} from its centre");
+                    let hint = "correct `to` or `center`, or give `to` and `radius`, from which the centre follows";
+                    return self.fail(owner.raw, "bad-arc", message, hint);
                 }
                 Some(arc(to, center, is_ccw))
             }
             (Some(to), None, Some(via), None, None) => match circumcenter(from, via, to) {
                 Some((center, is_ccw)) => Some(arc(to, center, is_ccw)),
-                None => self.fail(owner.raw, "bad-arc", "the three points of the arc lie on one line"),
+                None => {
+                    let message = "the three points of the arc lie on one line";
+                    self.fail(owner.raw, "bad-arc", message, "move `via`, or write a Line")
+                }
             },
             (Some(to), None, None, Some(radius), None) => {
                 let half = 0.5 * distance(from, to);
                 if half < SMALLEST || half > radius {
-                    return self.fail(owner.raw, "bad-arc", format!("an arc of radius {radius} cannot span {}", 2.0 * half));
+                    let message = format!("an arc of radius {radius} cannot span {}", 2.0 * half);
+                    return self.fail(
+                        owner.raw,
+                        "bad-arc",
+                        message,
+                        "the radius is half of the distance of its ends at least, and not 0",
+                    );
                 }
                 let height = libm::sqrt((radius - half) * (radius + half));
                 // A small counter-clockwise arc has its centre to the left of its chord.
@@ -218,6 +240,7 @@ impl<'a> Reader<'a> {
                         owner.raw,
                         "bad-arc",
                         "an arc needs a radius, and an angle up to 360 degrees other than 0",
+                        "move `center` off the start of the arc, or correct `angle`",
                     );
                 }
                 let (s, c) = sin_cos(angle);
@@ -226,7 +249,12 @@ impl<'a> Reader<'a> {
             }
             _ => {
                 let ways = "`to` and `center`, `to` and `via`, `to` and `radius`, or `center` and `angle`";
-                self.fail(owner.raw, "missing-field", format!("an Arc needs either of {ways}"))
+                self.fail(
+                    owner.raw,
+                    "missing-field",
+                    format!("an Arc needs either of {ways}"),
+                    "give one of these pairs, and no more",
+                )
             }
         }
     }

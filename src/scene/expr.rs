@@ -38,6 +38,8 @@ pub(super) type Fault = Option<(usize, Diagnostic)>;
 
 /// Depth of parentheses, signs and powers: bounds the stack.
 const MAX_DEPTH: u32 = 100;
+/// How numbers are written.
+const DECIMAL: &str = "numbers are decimal with a point: 12.5, 1e-3; at most 800 digits";
 const FUNCTIONS: [&str; 16] = [
     "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sqrt", "hypot", "abs", "min", "max", "floor", "ceil", "round", "mod",
 ];
@@ -53,7 +55,10 @@ pub(super) fn evaluate(
     parser.blanks();
     match parser.peek() {
         None => Ok(value),
-        Some(c) => parser.fail("expression", format!("unexpected `{c}` in the expression \"{text}\"")),
+        Some(c) => {
+            let hint = "between two quantities stands + - * / or ^, between arguments a comma; the decimal sign is a point";
+            parser.fail("expression", format!("unexpected `{c}` in the expression \"{text}\""), hint)
+        }
     }
 }
 
@@ -91,8 +96,8 @@ impl<'t> Parser<'t, '_> {
         self.at += if found { c.len_utf8() } else { 0 };
         found
     }
-    fn fail<T>(&self, code: &'static str, message: impl Into<String>) -> Result<T, Fault> {
-        self.fail_at(self.at, Diagnostic::error(code, message))
+    fn fail<T>(&self, code: &'static str, message: impl Into<String>, hint: &str) -> Result<T, Fault> {
+        self.fail_at(self.at, Diagnostic::error(code, message).hint(hint))
     }
     fn fail_at<T>(&self, at: usize, diagnostic: Diagnostic) -> Result<T, Fault> {
         Err(Some((at, diagnostic)))
@@ -107,7 +112,7 @@ impl<'t> Parser<'t, '_> {
 
     fn deeper(&mut self, inner: impl FnOnce(&mut Self) -> Value) -> Value {
         if self.depth == MAX_DEPTH {
-            return self.fail("expression", "the expression is nested too deeply");
+            return self.fail("expression", "the expression is nested too deeply", "give pieces of it names in `params`");
         }
         self.depth += 1;
         let value = inner(self);
@@ -232,7 +237,7 @@ impl<'t> Parser<'t, '_> {
     /// Reads the unit behind a literal or a primary, if there is one, and converts.
     fn with_unit(&mut self, start: usize, literal: Option<&str>, primary: Option<Quantity>) -> Value {
         let Some(number) = primary.or_else(|| literal.and_then(|l| l.parse().ok()).map(plain)) else {
-            return self.fail_at(start, Diagnostic::error("expression", "this is not a number"));
+            return self.fail_at(start, Diagnostic::error("expression", "this is not a number").hint(DECIMAL));
         };
         self.blanks();
         let at = self.at;
@@ -257,7 +262,7 @@ impl<'t> Parser<'t, '_> {
         let power = if self.eat('^') {
             match self.literal().parse() {
                 Ok(power @ 1..=3) => power,
-                _ => return self.fail("wrong-unit", "a unit has the power 1, 2 or 3"),
+                _ => return self.fail("wrong-unit", "a unit has the power 1, 2 or 3", "write mm, mm^2 or mm^3"),
             }
         } else {
             1u32
@@ -269,7 +274,7 @@ impl<'t> Parser<'t, '_> {
         let sign = if number.value < 0.0 { -1.0 } else { 1.0 };
         match unit.convert(&text, power, self.unit) {
             Some(value) => Ok(length(sign * value, power as i32)),
-            None => self.fail_at(start, Diagnostic::error("expression", "this number cannot be converted")),
+            None => self.fail_at(start, Diagnostic::error("expression", "this number cannot be converted").hint(DECIMAL)),
         }
     }
 
@@ -288,10 +293,11 @@ impl<'t> Parser<'t, '_> {
         if name.is_empty() {
             if !self.eat('(') {
                 let found = self.peek().map_or("its end".to_owned(), |c| format!("`{c}`"));
-                return self.fail("expression", format!("expected a number or a name, found {found}"));
+                let message = format!("expected a number or a name, found {found}");
+                return self.fail("expression", message, "write a number with or without unit, a parameter or a function");
             }
             let value = self.deeper(Self::sum)?;
-            return if self.eat(')') { Ok(value) } else { self.fail("expression", "a `)` is missing") };
+            return if self.eat(')') { Ok(value) } else { self.fail("expression", "a `)` is missing", "close each `(`") };
         }
         if self.eat('(') {
             return self.call(start, name);
@@ -312,7 +318,7 @@ impl<'t> Parser<'t, '_> {
             arguments.push(self.deeper(Self::sum)?);
         }
         if !self.eat(')') {
-            return self.fail("expression", "a `)` is missing");
+            return self.fail("expression", "a `)` is missing", "close each `(`; between arguments stands a comma");
         }
         self.apply(start, name, &arguments)
     }
@@ -322,7 +328,7 @@ impl<'t> Parser<'t, '_> {
         let (x, y) = match arguments {
             [x] => (*x, None),
             [x, y] => (*x, Some(*y)),
-            _ => return self.fail_at(start, Diagnostic::error("expression", format!("`{name}` takes one or two numbers"))),
+            _ => return self.wrong_count(start, name, "one or two numbers"),
         };
         let is_length = matches!(x.kind, Kind::Length(_));
         match (name, y) {
@@ -359,9 +365,14 @@ impl<'t> Parser<'t, '_> {
             ("sin" | "cos" | "tan" | "asin" | "acos" | "atan", None) => {
                 self.wrong_unit(start, format!("`{name}` of {}", name_of(x.kind)))
             }
-            (_, Some(_)) => self.fail_at(start, Diagnostic::error("expression", format!("`{name}` takes one number"))),
-            _ => self.fail_at(start, Diagnostic::error("expression", format!("`{name}` takes two numbers"))),
+            (_, Some(_)) => self.wrong_count(start, name, "one number"),
+            _ => self.wrong_count(start, name, "two numbers"),
         }
+    }
+
+    fn wrong_count(&self, start: usize, name: &str, count: &str) -> Value {
+        let fault = Diagnostic::error("expression", format!("`{name}` takes {count}"));
+        self.fail_at(start, fault.hint("arguments are separated by commas; the decimal sign is a point"))
     }
 }
 

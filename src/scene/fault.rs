@@ -22,27 +22,61 @@ pub(super) fn from_ron<'a>(error: SpannedError, source: &Source<'a>, raw: Raw<'a
             with_names(diagnostic.at(name_at(&found)), &found, expected.iter().copied())
         }
         Error::DuplicateStructField { field, .. } => {
-            Diagnostic::error("duplicate-field", format!("the field `{field}` is given twice")).at(name_at(field))
+            let fault = Diagnostic::error("duplicate-field", format!("the field `{field}` is given twice"));
+            fault.at(name_at(field)).hint("take out one of them")
         }
         Error::ExceededRecursionLimit => Diagnostic::error("too-deep", "the scene is nested too deeply")
             .at(here)
             .hint("name inner solids in `solids` and refer to them with Use(\"name\")"),
         Error::InvalidValueForType { expected, found } => {
-            Diagnostic::error("wrong-type", format!("expected {expected}, found {found}")).at(source.span(raw))
+            let fault = Diagnostic::error("wrong-type", format!("expected {expected}, found {found}"));
+            fault.at(source.span(raw)).hint("the language is described in scenes/tour.ron and in src/scene/LANGUAGE.md")
         }
         Error::ExpectedDifferentLength { expected, found } => {
-            Diagnostic::error("wrong-length", format!("expected {expected}, found {found} values")).at(source.span(raw))
+            let fault = Diagnostic::error("wrong-length", format!("expected {expected}, found {found} values"));
+            fault.at(source.span(raw)).hint("points of space are (x, y, z), those of a plane (x, y)")
         }
         Error::ExpectedFloat | Error::ExpectedInteger => Diagnostic::error("wrong-type", "expected a number")
             .at(source.span(raw))
             .hint("numbers are plain, or expressions in quotes: 12.5, \"12.5 mm\", \"gap / 2\""),
-        Error::ExpectedString => Diagnostic::error("wrong-type", "expected a text in quotes").at(source.span(raw)),
-        Error::ExpectedBoolean => Diagnostic::error("wrong-type", "expected true or false").at(source.span(raw)),
-        Error::ExpectedArray => Diagnostic::error("wrong-type", "expected a list in brackets [..]").at(source.span(raw)),
-        Error::ExpectedMap => {
-            Diagnostic::error("wrong-type", "expected a map in braces {\"name\": value, ..}").at(source.span(raw))
+        Error::ExpectedString => {
+            Diagnostic::error("wrong-type", "expected a text in quotes").at(source.span(raw)).hint("put it in double quotes")
         }
-        other => Diagnostic::error("syntax", format!("{other}")).at(here),
+        Error::ExpectedBoolean => Diagnostic::error("wrong-type", "expected true or false")
+            .at(source.span(raw))
+            .hint("write true or false, without quotes"),
+        Error::ExpectedArray => Diagnostic::error("wrong-type", "expected a list in brackets [..]")
+            .at(source.span(raw))
+            .hint("put brackets around it, also around a single element"),
+        Error::ExpectedMap => Diagnostic::error("wrong-type", "expected a map in braces {\"name\": value, ..}")
+            .at(source.span(raw))
+            .hint("write {\"gap\": \"0.8 mm\", \"width\": 12}"),
+        other => Diagnostic::error("syntax", format!("{other}")).at(here).hint(syntax_hint(&other)),
+    }
+}
+
+/// What to do about a text that is not RON.
+fn syntax_hint(error: &Error) -> &'static str {
+    match error {
+        Error::Eof | Error::ExpectedStructLikeEnd | Error::ExpectedArrayEnd | Error::ExpectedMapEnd => {
+            "a `)`, `]` or `}` is missing, or a comma before this"
+        }
+        Error::ExpectedComma => {
+            "a comma is missing here, or a `)` or `]` before this is missing or one too many; numbers with units are in quotes: \"1 mm\""
+        }
+        Error::ExpectedAttribute => "comments begin with // or stand between /* and */",
+        Error::ExpectedMapColon => "write `name: value`",
+        Error::ExpectedStringEnd => "a closing quote is missing",
+        Error::UnclosedBlockComment => "close the comment with */",
+        Error::TrailingCharacters => "the scene ends before this: is there a `)` too many?",
+        Error::ExpectedNamedStructLike("Scene") | Error::ExpectedDifferentStructName { expected: "Scene", .. } => {
+            "a scene is Scene(units: \"mm\", parts: [..]); `gsm new` writes one to start from"
+        }
+        Error::ExpectedDifferentStructName { expected: "Part", .. } => {
+            "parts are Part(name: \"..\", solid: ..); solids stand in their field `solid`"
+        }
+        Error::ExpectedStructLike | Error::ExpectedNamedStructLike(_) => "fields stand in parentheses: Block(size: (1, 1, 1))",
+        _ => "names of kinds are capital (Block), of fields small (size:), texts are in double quotes; see scenes/tour.ron",
     }
 }
 
@@ -70,7 +104,7 @@ pub(super) fn with_names<'n>(
         _ => diagnostic,
     };
     match list.len() {
-        0 => diagnostic.hint("there are none"),
+        0 => diagnostic.hint("there are none: check the spelling, or add it"),
         n => {
             // A list longer than this helps nobody.
             let shown = list.iter().take(40).copied().collect::<Vec<_>>().join(", ");

@@ -51,7 +51,10 @@ impl<'a> Reader<'a> {
         let (origin, axis, toward, start) = (origin?, axis?, toward?, start?);
         match frame(origin, axis, toward, start) {
             Some(frame) => Some(frame),
-            None => self.fail(fields.x_axis.0.unwrap_or(owner.raw), "zero-axis", "`x_axis` is parallel to the axis"),
+            None => {
+                let at = fields.x_axis.0.unwrap_or(owner.raw);
+                self.fail(at, "zero-axis", "`x_axis` is parallel to the axis", "choose one across it, or leave it out")
+            }
         }
     }
 }

@@ -94,7 +94,9 @@ impl<'l> Planter<'l> {
         let anchor = transform * nalgebra::Point3::from(anchor(&primitive));
         if !anchor.coords.iter().all(|x| x.abs() <= LARGEST) {
             let message = "a copy of this solid lies farther out than 1e9 units";
-            return Err(Diagnostic::error("out-of-range", message).at(local.span));
+            return Err(Diagnostic::error("out-of-range", message)
+                .at(local.span)
+                .hint("check the pattern's step, and the units"));
         }
         let leaf = Leaf {
             primitive,

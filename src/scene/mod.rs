@@ -34,7 +34,7 @@ mod tests;
 mod tree;
 mod units;
 
-use crate::diag::{Diagnostic, Outcome};
+use crate::diag::{Diagnostic, Outcome, Span};
 use leaves::{Planter, Settings};
 use model::Scene;
 use parts::Parts;
@@ -92,15 +92,24 @@ pub fn load(path: &Path, overrides: &[(String, String)], limits: &Limits) -> Out
 }
 
 fn read_text(path: &Path, limits: &Limits) -> Result<String, Diagnostic> {
-    let fault = |code, what: &str| Diagnostic::error(code, format!("{}: {what}", path.display()));
-    let file = std::fs::File::open(path).map_err(|error| fault("missing-file", &error.to_string()))?;
+    let fault = |code, what: &str, hint: &str| Diagnostic::error(code, format!("{}: {what}", path.display())).hint(hint);
+    let missing = |error: std::io::Error| {
+        fault("missing-file", &error.to_string(), "give the path of a scene file; `gsm new` writes one to start from")
+    };
+    let file = std::fs::File::open(path).map_err(missing)?;
     let mut bytes = Vec::new();
     // One byte more than allowed tells that there are too many, also for what is no regular file.
-    file.take(limits.file_size + 1).read_to_end(&mut bytes).map_err(|error| fault("missing-file", &error.to_string()))?;
+    file.take(limits.file_size + 1).read_to_end(&mut bytes).map_err(missing)?;
     if bytes.len() as u64 > limits.file_size {
-        return Err(fault("scene-too-large", &format!("the file has more than {} bytes", limits.file_size)));
+        let what = format!("the file has more than {} bytes", limits.file_size);
+        return Err(fault("scene-too-large", &what, "is it a scene? Repeat solids by `solids`, Linear, Polar and `copies`"));
     }
-    let text = String::from_utf8(bytes).map_err(|_| fault("syntax", "the file is not UTF-8 text"))?;
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let good = String::from_utf8_lossy(&error.as_bytes()[..error.utf8_error().valid_up_to()]).into_owned();
+        let last = good.rsplit('\n').next().unwrap_or("");
+        let span = Span { line: good.matches('\n').count() as u32 + 1, column: last.chars().count() as u32 + 1 };
+        fault("syntax", "the file is not UTF-8 text", "save it as UTF-8; a scene is a text in RON").at(span)
+    })?;
     // Some editors begin a file with a byte order mark.
     Ok(text.strip_prefix('\u{feff}').map_or_else(|| text.clone(), str::to_owned))
 }
@@ -135,6 +144,11 @@ fn parse_here(
     let metre = units::UNITS[0];
     let mut reader = Reader::new(text, metre);
     let whole = reader.source.whole();
+    if whole.0.is_empty() {
+        let hint = "a scene is Scene(units: \"mm\", parts: [..]); `gsm new` writes one to start from";
+        reader.fail::<()>(whole, "no-scene", "the file holds no scene", hint);
+        return Err(reader.take_faults());
+    }
     let scene = reader.read::<ast::Scene>(whole).and_then(|node| {
         reader.scene_unit(&node);
         reader.load_params(node.params, overrides);
@@ -179,7 +193,8 @@ fn read_scene<'a>(reader: &mut Reader<'a>, node: &ast::Scene<'a>, folder: &Path,
     }
     solids.finish();
     if let (Some([]), Some(raw)) = (entries.as_deref(), list) {
-        reader.fail::<()>(raw, "no-parts", "the scene has no parts");
+        let hint = "write one at least: parts: [Part(name: \"a\", solid: Block(size: (1, 1, 1)))]";
+        reader.fail::<()>(raw, "no-parts", "the scene has no parts", hint);
     }
     Some(Scene {
         name: String::new(),

@@ -5,6 +5,7 @@ use super::expr::Quantity;
 use super::fault::with_names;
 use super::reader::Reader;
 use super::source::{Field, Raw};
+use super::units::Unit;
 use crate::diag::Diagnostic;
 use std::collections::BTreeMap;
 
@@ -15,6 +16,8 @@ const MAX_CHAIN: usize = 200;
 #[derive(Default)]
 pub(super) struct Params<'a> {
     entries: BTreeMap<String, Param<'a>>,
+    /// Whether some could not be read, so that a name that is not known may be one of them.
+    is_incomplete: bool,
     /// Parameters being evaluated, outermost first.
     chain: Vec<String>,
 }
@@ -42,23 +45,39 @@ impl<'a> Reader<'a> {
     /// Reads the `params` map, replaces those set from outside, and evaluates all.
     pub fn load_params(&mut self, field: Field<'a>, overrides: &[(String, String)]) {
         let entries = field.0.and_then(|raw| self.read::<Entries>(raw));
+        self.params.is_incomplete = field.0.is_some() && entries.is_none();
         for (key, value) in entries.map_or(Vec::new(), |e| e.0) {
-            let Some(name) = self.read::<String>(key) else { continue };
+            let Some(name) = self.read::<String>(key) else {
+                self.params.is_incomplete = true;
+                continue;
+            };
+            if Unit::named(&name).is_some() || ["deg", "rad"].contains(&name.as_str()) {
+                let message = format!(
+                    "the parameter `{name}` has the name of a unit: behind a number it is the unit, by itself the parameter"
+                );
+                let warning = Diagnostic::warning("parameter-like-unit", message).at(self.span(key));
+                self.warnings.push(warning.hint("give it another name"));
+            }
             let is_name = !name.starts_with(|c: char| c.is_ascii_digit())
                 && name.chars().all(|c| c.is_alphanumeric() || c == '_')
                 && !["", "pi"].contains(&name.as_str());
             if !is_name {
-                self.fail::<()>(key, "bad-name", format!("`{name}` cannot be the name of a parameter"));
+                self.params.is_incomplete = true;
+                let hint = "names are letters, digits and `_`, not beginning with a digit; `pi` is taken";
+                self.fail::<()>(key, "bad-name", format!("`{name}` cannot be the name of a parameter"), hint);
             } else if self.params.entries.insert(name.clone(), Param { text: Text::Scene(value), state: State::New }).is_some()
             {
-                self.fail::<()>(key, "duplicate-name", format!("the parameter `{name}` is given twice"));
+                let message = format!("the parameter `{name}` is given twice");
+                self.fail::<()>(key, "duplicate-name", message, "take out one of them");
             }
         }
         for (name, value) in overrides {
             match self.params.entries.get_mut(name) {
                 Some(param) => param.text = Text::CommandLine(value.clone()),
                 None => {
-                    let fault = self.params.unknown(name).hint("only parameters of the scene can be set from the command line");
+                    let mut fault =
+                        self.params.unknown(name).hint("only parameters of the scene can be set from the command line");
+                    fault.message = format!("--set {name}={value}: {}", fault.message);
                     self.fault(fault);
                 }
             }
@@ -74,7 +93,7 @@ impl<'a> Reader<'a> {
     /// The value of a parameter. Errors: none of this name, a cycle, too long a chain; `None` if the fault is reported already.
     pub fn param(&mut self, name: &str) -> Result<Quantity, Option<Diagnostic>> {
         let Some(param) = self.params.entries.get_mut(name) else {
-            return Err(Some(self.params.unknown(name)));
+            return Err((!self.params.is_incomplete).then(|| self.params.unknown(name)));
         };
         match param.state {
             State::Done(quantity) => return Ok(quantity),
@@ -84,12 +103,20 @@ impl<'a> Reader<'a> {
         }
         let text = param.text.clone();
         if self.params.chain.len() == MAX_CHAIN {
-            return Err(Some(Diagnostic::error("too-deep", format!("more than {MAX_CHAIN} parameters refer to each other"))));
+            let fault = Diagnostic::error("too-deep", format!("more than {MAX_CHAIN} parameters refer to each other"));
+            return Err(Some(fault.hint("shorten the chain: write numbers, or refer to earlier ones")));
         }
         self.params.chain.push(name.to_owned());
         let value = match text {
-            Text::Scene(raw) => self.quantity(raw),
-            Text::CommandLine(text) => self.expression(&text, None),
+            Text::Scene(raw) => self.quantity(name, raw),
+            Text::CommandLine(text) => self.expression(name, &text, None).and_then(|quantity| {
+                if quantity.value.is_finite() {
+                    return Some(quantity);
+                }
+                let message = format!("--set {name}={text}: `{name}` is not finite: it is {}", quantity.value);
+                self.fault(Diagnostic::error("not-finite", message).hint(super::reader::NOT_FINITE));
+                None
+            }),
         };
         self.params.chain.pop();
         if let Some(param) = self.params.entries.get_mut(name) {

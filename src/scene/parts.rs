@@ -23,18 +23,23 @@ pub(super) struct Parts<'l> {
     names: BTreeMap<String, Span>,
 }
 
-/// A part as it is written; its copies differ in name and place only.
+/// A part as it is written; its copies differ in name and place only. Of a faulty one there are the names that could be read.
 struct Pattern<'a> {
-    name: String,
+    name: Option<String>,
     at: Raw<'a>,
+    /// Places of the copies; `None` if the part is not repeated.
+    motions: Option<Vec<Motion>>,
+    boundaries: Vec<Named<'a>>,
+    body: Option<Body>,
+}
+
+/// What a part is.
+struct Body {
     material: Option<String>,
     max_edge: Option<f64>,
     max_volume: Option<f64>,
     settings: Settings,
     tree: Rc<Tree>,
-    /// Places of the copies; `None` if the part is not repeated.
-    motions: Option<Vec<Motion>>,
-    boundaries: Vec<Named<'a>>,
 }
 
 /// A boundary as it is written.
@@ -68,19 +73,28 @@ impl<'l> Parts<'l> {
                 None => name.to_owned(),
                 Some(_) => format!("{name}{}", k + 1),
             };
-            let span = reader.span(pattern.at);
-            let name = numbered(&pattern.name);
-            if !self.claim(reader, &name, pattern.at, "part") {
-                return;
+            // All names are claimed, so that none that is taken is hidden by another fault of its part.
+            let name = pattern.name.as_deref().map(numbered);
+            let mut is_new = name.as_ref().is_none_or(|name| self.claim(reader, name, pattern.at, "part"));
+            let boundaries: Vec<(String, &Named)> = pattern.boundaries.iter().map(|b| (numbered(&b.name), b)).collect();
+            for (name, boundary) in &boundaries {
+                is_new &= self.claim(reader, name, boundary.at, "boundary");
             }
-            let solid = match self.planter.plant(&pattern.tree, motion, pattern.settings, span) {
-                Ok(solid) => solid,
-                Err(fault) => return reader.fault(fault),
-            };
-            let Pattern { max_edge, max_volume, .. } = *pattern;
-            let part = self.parts.push(Part { name, material: pattern.material.clone(), solid, max_edge, max_volume, span });
-            for boundary in &pattern.boundaries {
-                self.add_boundary(reader, boundary, part, numbered(&boundary.name));
+            if let (Some(name), Some(body)) = (name, &pattern.body) {
+                let span = reader.span(pattern.at);
+                let solid = match self.planter.plant(&body.tree, motion, body.settings, span) {
+                    Ok(solid) => solid,
+                    Err(fault) => return reader.fault(fault),
+                };
+                let Body { max_edge, max_volume, .. } = *body;
+                let part = self.parts.push(Part { name, material: body.material.clone(), solid, max_edge, max_volume, span });
+                for (name, boundary) in boundaries {
+                    self.add_boundary(reader, boundary, part, name);
+                }
+            }
+            // The other copies would say the same.
+            if !is_new {
+                return;
             }
         }
     }
@@ -89,7 +103,8 @@ impl<'l> Parts<'l> {
     fn claim<'a>(&mut self, reader: &mut Reader<'a>, name: &str, at: Raw<'a>, what: &str) -> bool {
         let Some(first) = self.names.insert(name.to_owned(), reader.span(at)) else { return true };
         let message = format!("the {what} `{name}` has a name that was given at {}:{} already", first.line, first.column);
-        reader.fail::<()>(at, "duplicate-name", message);
+        let hint = "give each part and each boundary a name of its own; copies have their number behind it";
+        reader.fail::<()>(at, "duplicate-name", message, hint);
         false
     }
 
@@ -99,8 +114,7 @@ impl<'l> Parts<'l> {
             None => Some(BoundarySelection::Outer),
             Some((of, side, at)) => self.select(reader, of.as_deref(), side.as_deref(), *at),
         };
-        let is_new = self.claim(reader, &name, named.at, "boundary");
-        if let (Some(selection), true) = (selection, is_new) {
+        if let Some(selection) = selection {
             self.boundaries.push(Boundary { name, part, selection, span });
         }
     }
@@ -143,14 +157,21 @@ impl<'l> Parts<'l> {
             None => true,
             Some(sides) => {
                 let has = sides.iter().any(|s| s == side);
-                known.extend(sides.into_iter().filter(|_| !has));
+                // A block has two names for its lower and upper side.
+                let is_block = matches!(leaf(id), Primitive::Block { .. });
+                let others = ["bottom", "top"].into_iter().filter(|_| is_block).map(str::to_owned);
+                known.extend(sides.into_iter().chain(others).filter(|_| !has));
                 has
             }
         });
         if leaves.is_empty() {
             known.sort_unstable();
             known.dedup();
-            let fault = Diagnostic::error("unknown-side", format!("there is no side `{written}`")).at(reader.span(at));
+            let message = match of {
+                Some(of) => format!("`{of}` has no side `{written}`"),
+                None => format!("no solid of the part has a side `{written}`"),
+            };
+            let fault = Diagnostic::error("unknown-side", message).at(reader.span(at));
             reader.fault(super::fault::with_names(fault, written, known.iter().map(String::as_str)));
             return None;
         }
@@ -177,20 +198,15 @@ fn read_part<'a>(solids: &mut SolidReader<'_, 'a>, raw: Raw<'a>, scene: Settings
     let division = reader.maybe(node.discretization, Reader::division);
     let is_triangulated = reader.read_or(node.triangulated, scene.is_triangulated);
     let motions = reader.maybe(node.copies, read_copies);
-    let boundaries = read_boundaries(reader, node.boundaries);
+    let (boundaries, are_good) = read_boundaries(reader, node.boundaries);
     let solid = reader.need(owner, "solid", node.solid).and_then(|raw| solids.solid(raw));
-    let settings = Settings { division: division?.unwrap_or(scene.division), is_triangulated: is_triangulated? };
-    Some(Pattern {
-        name: name?,
-        at: raw,
-        material: material?,
-        max_edge: max_edge?,
-        max_volume: max_volume?,
-        settings,
-        tree: solid?,
-        motions: motions?,
-        boundaries: boundaries?,
-    })
+    let body = || {
+        let settings = Settings { division: division?.unwrap_or(scene.division), is_triangulated: is_triangulated? };
+        let (material, max_edge, max_volume) = (material?, max_edge?, max_volume?);
+        are_good.then_some(Body { material, max_edge, max_volume, settings, tree: solid? })
+    };
+    // How often a part with faulty copies is repeated, and so what its names are, nobody knows.
+    Some(Pattern { name, at: raw, motions: motions?, boundaries, body: body() })
 }
 
 fn read_copies<'a>(reader: &mut Reader<'a>, raw: Raw<'a>) -> Option<Vec<Motion>> {
@@ -200,14 +216,20 @@ fn read_copies<'a>(reader: &mut Reader<'a>, raw: Raw<'a>) -> Option<Vec<Motion>>
     };
     match inner.0 {
         None => motions,
-        Some(raw) => reader.fail(raw, "conflict", "`copies` repeats the part's own solid; it has no `solid`"),
+        Some(raw) => {
+            let message = "`copies` repeats the part's own solid; it has no `solid`";
+            reader.fail(raw, "conflict", message, "leave out this `solid`; the part has one")
+        }
     }
 }
 
-fn read_boundaries<'a>(reader: &mut Reader<'a>, field: Field<'a>) -> Option<Vec<Named<'a>>> {
-    let list: Vec<Raw> = reader.read_or(field, Vec::new())?;
-    let named: Vec<Option<Named>> = list.into_iter().map(|raw| read_boundary(reader, raw)).collect();
-    named.into_iter().collect()
+/// The boundaries that could be read, and whether all could.
+fn read_boundaries<'a>(reader: &mut Reader<'a>, field: Field<'a>) -> (Vec<Named<'a>>, bool) {
+    let Some(list) = reader.read_or::<Vec<Raw>>(field, Vec::new()) else { return (Vec::new(), false) };
+    let count = list.len();
+    let named: Vec<Named> = list.into_iter().filter_map(|raw| read_boundary(reader, raw)).collect();
+    let are_good = named.len() == count;
+    (named, are_good)
 }
 
 fn read_boundary<'a>(reader: &mut Reader<'a>, raw: Raw<'a>) -> Option<Named<'a>> {

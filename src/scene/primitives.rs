@@ -45,11 +45,12 @@ impl<'a> Reader<'a> {
     /// Two opposite corners, from `min` and `max`, or `size` with `center` or with the smallest corner `at` (default: origin).
     pub fn block(&mut self, owner: Owner<'a>, node: &ast::Block<'a>) -> Option<Primitive> {
         if node.min.0.is_none() && node.max.0.is_none() && node.size.0.is_none() {
-            return self.fail(owner.raw, "missing-field", "Block needs `min` and `max`, or `size`");
+            let hint = "write `min: (x, y, z), max: (x, y, z)`, or `size: (x, y, z)` with `at` (lowest corner) or `center`";
+            return self.fail(owner.raw, "missing-field", "Block needs `min` and `max`, or `size`", hint);
         }
         if let Some(raw) = node.size.0 {
             if let Some(other) = node.min.0.or(node.max.0) {
-                return self.fail(other, "conflict", "Block has `size` as well as `min` or `max`");
+                return self.fail(other, "conflict", "Block has `size` as well as `min` or `max`", "leave out one of them");
             }
             let size = self.sizes("size", raw);
             let lo = self.corner(node.center, node.at, size);
@@ -59,14 +60,22 @@ impl<'a> Reader<'a> {
         let hi = self.need(owner, "max", node.max).and_then(|raw| self.point("max", raw));
         let (lo, hi) = (lo?, hi?);
         if lo.zip_map(&hi, |l, h| h - l).min() < super::reader::SMALLEST {
-            return self.fail(owner.raw, "not-positive", "`max` of the Block must be larger than `min` in x, y and z");
+            let axis = (0..3).find(|&k| hi[k] - lo[k] < super::reader::SMALLEST).unwrap_or(0);
+            let (name, lo, hi) = (["x", "y", "z"][axis], lo[axis], hi[axis]);
+            let message = format!("`max` of the Block must be larger than `min`; in {name} it goes from {lo} to {hi}");
+            return self.fail(owner.raw, "not-positive", message, "exchange the coordinates, or check the parameters");
         }
         Some(Primitive::Block { lo, hi })
     }
 
     fn corner(&mut self, center: Field<'a>, at: Field<'a>, size: Option<Vec3>) -> Option<Vec3> {
         match (center.0, at.0) {
-            (Some(_), Some(raw)) => self.fail(raw, "conflict", "Block has both `center` and `at`"),
+            (Some(_), Some(raw)) => self.fail(
+                raw,
+                "conflict",
+                "Block has both `center` and `at`",
+                "leave out one of them: `at` is the lowest corner",
+            ),
             (Some(raw), None) => Some(self.point("center", raw)? - size? * 0.5),
             _ => self.point_or_origin("at", at),
         }
@@ -82,7 +91,8 @@ impl<'a> Reader<'a> {
     ) -> Option<Vec<[f64; 2]>> {
         if let Some(raw) = polygon.0 {
             if let Some(other) = sides.0.or(radius.0) {
-                return self.fail(other, "conflict", format!("{} has `polygon` as well as `sides` or `radius`", owner.kind));
+                let message = format!("{} has `polygon` as well as `sides` or `radius`", owner.kind);
+                return self.fail(other, "conflict", message, "leave out one of them");
             }
             return self.polygon(raw);
         }
@@ -105,10 +115,13 @@ impl<'a> Reader<'a> {
     pub fn pyramid(&mut self, owner: Owner<'a>, node: &ast::Pyramid<'a>) -> Option<Primitive> {
         let base = self.base_polygon(owner, node.sides, node.radius, node.polygon);
         let apex = match (node.apex.0, node.height.0) {
-            (Some(_), Some(raw)) => self.fail(raw, "conflict", "Pyramid has both `height` and `apex`"),
+            (Some(_), Some(raw)) => self.fail(raw, "conflict", "Pyramid has both `height` and `apex`", "leave out one of them"),
             (Some(raw), None) => self.point("apex", raw).and_then(|apex| match apex.z {
                 z if z >= super::reader::SMALLEST => Some(apex),
-                _ => self.fail(raw, "not-positive", "the apex must lie above the base: its z must be positive"),
+                _ => {
+                    let hint = "the apex is written from the base, along `axis`; to point down, turn the axis";
+                    self.fail(raw, "not-positive", "the apex must lie above the base: its z must be positive", hint)
+                }
             }),
             _ => self.needed_size(owner, "height", node.height).map(|height| Vec3::new(0.0, 0.0, height)),
         };
@@ -141,6 +154,7 @@ impl<'a> Reader<'a> {
                 raw,
                 "not-positive",
                 format!("`inner_radius` {inner} must be smaller than `outer_radius` {outer}"),
+                "exchange them, or check the parameters",
             );
         }
         let circle = |radius, name: &str| super::curves::circle([0.0; 2], radius, 0.0, Some(name.to_owned()));
@@ -164,7 +178,8 @@ impl<'a> Reader<'a> {
         let frame: Option<Frame> = self.frame(owner, frame_fields!(node));
         let (bottom_radius, top_radius) = (bottom?, top?);
         if bottom_radius.max(top_radius) == 0.0 {
-            return self.fail(owner.raw, "not-positive", "only one radius of a Frustum may be 0");
+            let message = "only one radius of a Frustum may be 0";
+            return self.fail(owner.raw, "not-positive", message, "write a positive radius at its wide end");
         }
         Some(Primitive::Cone { frame: frame?, bottom_radius, top_radius, height: height? })
     }
@@ -200,7 +215,13 @@ impl<'a> Reader<'a> {
         let (major_radius, minor_radius) = (major?, minor?);
         if minor_radius >= major_radius {
             let message = format!("`minor_radius` {minor_radius} must be smaller than `major_radius` {major_radius}");
-            return self.fail(node.minor_radius.0.unwrap_or(owner.raw), "out-of-range", message);
+            let at = node.minor_radius.0.unwrap_or(owner.raw);
+            return self.fail(
+                at,
+                "out-of-range",
+                message,
+                "`major_radius` reaches to the middle of the tube, whose own is `minor_radius`",
+            );
         }
         Some(Primitive::Torus { frame: frame?, major_radius, minor_radius })
     }
@@ -216,7 +237,8 @@ impl<'a> Reader<'a> {
         let points: Vec<Option<[f64; 2]>> = list.iter().map(|&point| self.point2("point", point)).collect();
         let points: Vec<[f64; 2]> = points.into_iter().collect::<Option<_>>()?;
         if points.len() < 3 {
-            return self.fail(raw, "wrong-length", format!("a polygon needs three points at least, here are {}", points.len()));
+            let message = format!("a polygon needs three points at least, here are {}", points.len());
+            return self.fail(raw, "wrong-length", message, "write [(x, y), (x, y), (x, y)]; the last one joins the first");
         }
         Some(points)
     }

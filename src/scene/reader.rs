@@ -7,7 +7,7 @@ use super::motion::unit_vector;
 use super::params::Params;
 use super::source::{Field, Raw, Source};
 use super::units::Unit;
-use crate::diag::{Diagnostic, Span};
+use crate::diag::{Diagnostic, Span, short};
 use crate::geom::Vec3;
 use serde::Deserialize;
 
@@ -16,6 +16,11 @@ use serde::Deserialize;
 pub(super) const LARGEST: f64 = 1e9;
 /// Smallest size, in the scene's unit.
 pub(super) const SMALLEST: f64 = 1e-9;
+/// What to do about numbers that no model needs.
+const LARGER_UNIT: &str = "check the units; `units` should be one in which the model has handy numbers";
+/// What to do about infinities and what is no number.
+pub(super) const NOT_FINITE: &str =
+    "check the expression and its parameters: a division by 0, or a root or arc cosine of what has none";
 /// Faults reported in one run; more help nobody.
 const MAX_FAULTS: usize = 200;
 
@@ -26,6 +31,16 @@ pub(super) struct Reader<'a> {
     pub params: Params<'a>,
     faults: Vec<Diagnostic>,
     pub warnings: Vec<Diagnostic>,
+}
+
+/// What to write for a quantity of this kind.
+fn wanted_unit(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Plain => "write it without unit",
+        Kind::Angle => "write a plain number of degrees, or `deg` or `rad` behind it",
+        Kind::Length(1) => "write a plain number, which is in the scene's unit, or a unit behind it: \"12.5 mm\"",
+        Kind::Length(_) => "write a plain number, or a unit with its power: \"2 mm^2\", \"0.5 mm^3\"",
+    }
 }
 
 /// A node of the scene, for messages.
@@ -49,8 +64,14 @@ impl<'a> Reader<'a> {
         }
     }
     /// Reports a fault at `raw`; gives `None` for the caller to return.
-    pub fn fail<T>(&mut self, raw: Raw<'a>, code: &'static str, message: impl Into<String>) -> Option<T> {
-        let diagnostic = Diagnostic::error(code, message).at(self.source.span(raw));
+    pub fn fail<T>(
+        &mut self,
+        raw: Raw<'a>,
+        code: &'static str,
+        message: impl Into<String>,
+        hint: impl Into<String>,
+    ) -> Option<T> {
+        let diagnostic = Diagnostic::error(code, message).at(self.source.span(raw)).hint(hint);
         self.fault(diagnostic);
         None
     }
@@ -84,31 +105,37 @@ impl<'a> Reader<'a> {
     }
     /// The text of a field that must be there.
     pub fn need(&mut self, owner: Owner<'a>, label: &str, field: Field<'a>) -> Option<Raw<'a>> {
-        field.0.or_else(|| self.fail(owner.raw, "missing-field", format!("{} needs the field `{label}`", owner.kind)))
+        let message = || format!("{} needs the field `{label}`", owner.kind);
+        let hint = || format!("write `{label}: ...` between its parentheses");
+        field.0.or_else(|| self.fail(owner.raw, "missing-field", message(), hint()))
     }
 
-    /// A number of any kind.
-    pub fn quantity(&mut self, raw: Raw<'a>) -> Option<Quantity> {
+    /// A number of any kind; `label` says of what.
+    pub fn quantity(&mut self, label: &str, raw: Raw<'a>) -> Option<Quantity> {
         let quantity = if raw.0.starts_with(['"', 'r']) {
             let text: String = self.read(raw)?;
-            self.expression(&text, Some(raw))?
+            self.expression(label, &text, Some(raw))?
         } else {
             Quantity { value: self.read::<f64>(raw)?, kind: Kind::Plain }
         };
         if !quantity.value.is_finite() {
-            return self.fail(raw, "not-finite", "this number is not finite");
+            let hint = if raw.0.starts_with(['"', 'r']) { NOT_FINITE } else { "write a number from -1e9 to 1e9" };
+            return self.fail(raw, "not-finite", format!("`{label}` is not finite: it is {}", quantity.value), hint);
         }
         Some(Quantity { value: quantity.value + 0.0, ..quantity })
     }
 
-    /// The value of an expression that stands in the scene at `raw`, or came from the command line.
-    pub fn expression(&mut self, text: &str, raw: Option<Raw<'a>>) -> Option<Quantity> {
+    /// The value of an expression that stands in the scene at `raw`, or came from the command line for the parameter `label`.
+    pub fn expression(&mut self, label: &str, text: &str, raw: Option<Raw<'a>>) -> Option<Quantity> {
         let unit = self.unit;
         match expr::evaluate(text, unit, &mut |name| self.param(name)) {
             Ok(quantity) => Some(quantity),
             Err(None) => None,
             Err(Some((at, mut diagnostic))) => {
                 // Behind the quote; exact unless the string has escapes.
+                if raw.is_none() {
+                    diagnostic.message = format!("--set {label}={text}: {}", diagnostic.message);
+                }
                 diagnostic.span = raw.map(|raw| {
                     let is_plain = raw.0.get(1..).is_some_and(|inner| inner.starts_with(text));
                     self.source.span_at(self.source.offset(raw) + if is_plain { 1 + at } else { 0 })
@@ -121,11 +148,12 @@ impl<'a> Reader<'a> {
 
     /// A number of kind `kind`, or a plain one.
     fn number(&mut self, label: &str, raw: Raw<'a>, kind: Kind) -> Option<f64> {
-        let quantity = self.quantity(raw)?;
+        let quantity = self.quantity(label, raw)?;
         if quantity.kind == kind || quantity.kind == Kind::Plain {
             return Some(quantity.value);
         }
-        self.fail(raw, "wrong-unit", format!("`{label}` must be {}, not {}", name_of(kind), name_of(quantity.kind)))
+        let message = format!("`{label}` must be {}, not {}", name_of(kind), name_of(quantity.kind));
+        self.fail(raw, "wrong-unit", message, wanted_unit(kind))
     }
     /// A plain number.
     pub fn plain(&mut self, label: &str, raw: Raw<'a>) -> Option<f64> {
@@ -139,7 +167,8 @@ impl<'a> Reader<'a> {
     pub fn length(&mut self, label: &str, raw: Raw<'a>) -> Option<f64> {
         let value = self.number(label, raw, Kind::Length(1))?;
         if value.abs() > LARGEST {
-            return self.fail(raw, "out-of-range", format!("`{label}` is {value:e}; lengths go up to 1e9 units"));
+            let message = format!("`{label}` is {value:e}; lengths go up to 1e9 units");
+            return self.fail(raw, "out-of-range", message, LARGER_UNIT);
         }
         Some(value)
     }
@@ -149,13 +178,15 @@ impl<'a> Reader<'a> {
         if value > 0.0 {
             return Some(value);
         }
-        self.fail(raw, "not-positive", format!("`{label}` must be positive, it is {value}"))
+        let hint = "write a number above 0, and check the parameters that it comes from";
+        self.fail(raw, "not-positive", format!("`{label}` must be positive, it is {value}"), hint)
     }
     /// A positive length.
     pub fn size(&mut self, label: &str, raw: Raw<'a>) -> Option<f64> {
         let value = self.positive(label, raw, Kind::Length(1))?;
         if !(SMALLEST..=LARGEST).contains(&value) {
-            return self.fail(raw, "out-of-range", format!("`{label}` is {value:e}; sizes go from 1e-9 to 1e9 units"));
+            let message = format!("`{label}` is {value:e}; sizes go from 1e-9 to 1e9 units");
+            return self.fail(raw, "out-of-range", message, LARGER_UNIT);
         }
         Some(value)
     }
@@ -167,7 +198,9 @@ impl<'a> Reader<'a> {
     /// A radius, given as such or as a diameter.
     pub fn radius(&mut self, owner: Owner<'a>, radius: Field<'a>, diameter: Field<'a>) -> Option<f64> {
         match (radius.0, diameter.0) {
-            (Some(_), Some(raw)) => self.fail(raw, "conflict", format!("{} has both radius and diameter", owner.kind)),
+            (Some(_), Some(raw)) => {
+                self.fail(raw, "conflict", format!("{} has both `radius` and `diameter`", owner.kind), "leave out one of them")
+            }
             (None, Some(raw)) => Some(0.5 * self.size("diameter", raw)?),
             _ => self.needed_size(owner, "radius", radius),
         }
@@ -179,14 +212,31 @@ impl<'a> Reader<'a> {
             return Some(value as u32);
         }
         let code = if value == libm::rint(value) { "out-of-range" } else { "not-whole" };
-        self.fail(raw, code, format!("`{label}` must be a whole number from {least} to {most}, it is {value}"))
+        let hint = match value > f64::from(most) {
+            true => "write a smaller number".to_owned(),
+            false if value < f64::from(least) => format!("write {least} or more"),
+            false => format!("write {} or {}, or use round(..) in the expression", libm::floor(value), libm::ceil(value)),
+        };
+        self.fail(raw, code, format!("`{label}` must be a whole number from {least} to {most}, it is {}", short(value)), hint)
     }
 
+    /// The values of a tuple of known length.
+    pub fn tuple<const N: usize>(&mut self, label: &str, raw: Raw<'a>) -> Option<[Raw<'a>; N]> {
+        let form = &["(x, y)", "(x, y, z)"][usize::from(N == 3)];
+        if !raw.0.starts_with('(') {
+            let message = format!("`{label}` must be {N} values in parentheses: {form}");
+            return self.fail(raw, "wrong-type", message, format!("write {form}, round parentheses and commas"));
+        }
+        let values = self.read::<ast::Values>(raw)?.0;
+        let count = values.len();
+        values.try_into().ok().or_else(|| {
+            let message = format!("`{label}` must be {N} values, {form}; here are {count}");
+            self.fail(raw, "wrong-length", message, "points of space are (x, y, z), those of a plane (x, y)")
+        })
+    }
     /// A point of space.
     pub fn point(&mut self, label: &str, raw: Raw<'a>) -> Option<Vec3> {
-        let (x, y, z): (Raw, Raw, Raw) = self.read(raw)?;
-        let coordinates = [x, y, z].map(|c| self.length(label, c));
-        let [x, y, z] = coordinates;
+        let [x, y, z] = self.tuple(label, raw)?.map(|c| self.length(label, c));
         Some(Vec3::new(x?, y?, z?))
     }
     /// A point of space; the origin if absent.
@@ -195,14 +245,12 @@ impl<'a> Reader<'a> {
     }
     /// Three positive lengths.
     pub fn sizes(&mut self, label: &str, raw: Raw<'a>) -> Option<Vec3> {
-        let (x, y, z): (Raw, Raw, Raw) = self.read(raw)?;
-        let [x, y, z] = [x, y, z].map(|c| self.size(label, c));
+        let [x, y, z] = self.tuple(label, raw)?.map(|c| self.size(label, c));
         Some(Vec3::new(x?, y?, z?))
     }
     /// A point of the plane.
     pub fn point2(&mut self, label: &str, raw: Raw<'a>) -> Option<[f64; 2]> {
-        let (x, y): (Raw, Raw) = self.read(raw)?;
-        let [x, y] = [x, y].map(|c| self.length(label, c));
+        let [x, y] = self.tuple(label, raw)?.map(|c| self.length(label, c));
         Some([x?, y?])
     }
     /// A point of the plane; the origin if absent.
@@ -211,6 +259,10 @@ impl<'a> Reader<'a> {
     }
     /// A direction of length 1: X, Y, Z or a vector.
     pub fn axis(&mut self, label: &str, raw: Raw<'a>) -> Option<Vec3> {
+        if !raw.0.starts_with(|c: char| c == '(' || c.is_alphabetic()) {
+            let message = format!("`{label}` must be X, Y, Z or a vector (x, y, z)");
+            return self.fail(raw, "wrong-type", message, "write Z without quotes, or (0, 0, 1)");
+        }
         if !raw.0.starts_with('(') {
             return Some(match self.read::<ast::Axis>(raw)? {
                 ast::Axis::X => Vec3::x(),
@@ -221,7 +273,10 @@ impl<'a> Reader<'a> {
         let vector = self.point(label, raw)?;
         match unit_vector(vector) {
             Some(unit) => Some(unit),
-            None => self.fail(raw, "zero-axis", format!("`{label}` has no direction: it is (0, 0, 0)")),
+            None => {
+                let hint = "write X, Y, Z or a vector of any length but 0";
+                self.fail(raw, "zero-axis", format!("`{label}` has no direction: it is (0, 0, 0)"), hint)
+            }
         }
     }
     /// A direction; z if absent.

@@ -21,13 +21,15 @@ impl<'a> Reader<'a> {
         let max_angle = self.maybe(node.max_angle, |r, raw| match r.positive("max_angle", raw, Kind::Angle)? {
             angle if angle <= 120.0 => Some(radians(angle)),
             angle => {
-                r.fail(raw, "out-of-range", format!("`max_angle` is {angle} degrees; a circle needs three chords at least"))
+                let message = format!("`max_angle` is {angle} degrees; a circle needs three chords at least");
+                r.fail(raw, "out-of-range", message, "write 120 degrees or less; 15 gives 24 chords")
             }
         });
         let max_chord_error = self.maybe(node.max_chord_error, |r, raw| r.size("max_chord_error", raw));
         let division = Division { segments: segments?, max_angle: max_angle?, max_chord_error: max_chord_error? };
         if division == (Division { segments: None, max_angle: None, max_chord_error: None }) {
-            return self.fail(raw, "missing-field", "a discretization needs segments, max_angle or max_chord_error");
+            let message = "a discretization needs `segments`, `max_angle` or `max_chord_error`";
+            return self.fail(raw, "missing-field", message, "write for instance (segments: 24)");
         }
         Some(division)
     }
@@ -48,12 +50,18 @@ impl<'a> Reader<'a> {
         let ratio = self.maybe(node.ratio, |r, raw| match r.plain("ratio", raw)? {
             // Below sqrt(3/8) not even the regular tetrahedron passes; TetGen stops near 1.
             ratio if ratio >= 1.0 => Some(ratio),
-            ratio => r.fail(raw, "out-of-range", format!("`ratio` must be at least 1, it is {ratio}")),
+            ratio => {
+                let hint = "2 is usual, 1.414 is good, near 1 TetGen takes forever";
+                r.fail(raw, "out-of-range", format!("`ratio` must be at least 1, it is {ratio}"), hint)
+            }
         });
         let dihedral = self.maybe(node.dihedral, |r, raw| match r.degrees("dihedral", raw)? {
             // A regular tetrahedron has 70.5 degrees; no mesher reaches 45 everywhere.
             angle if (0.0..=45.0).contains(&angle) => Some(angle),
-            angle => r.fail(raw, "out-of-range", format!("`dihedral` must lie between 0 and 45 degrees, it is {angle}")),
+            angle => {
+                let message = format!("`dihedral` must lie between 0 and 45 degrees, it is {angle}");
+                r.fail(raw, "out-of-range", message, "10 to 18 degrees is what TetGen can reach")
+            }
         });
         let thresholds = self.thresholds(&node);
         Some(MeshOptions {
@@ -67,13 +75,19 @@ impl<'a> Reader<'a> {
         let angle = |r: &mut Self, name, field: Field<'a>| {
             r.maybe(field, |r, raw| match r.degrees(name, raw)? {
                 angle if (0.0..=180.0).contains(&angle) => Some(angle),
-                angle => r.fail(raw, "out-of-range", format!("`{name}` must lie between 0 and 180 degrees, it is {angle}")),
+                angle => {
+                    let message = format!("`{name}` must lie between 0 and 180 degrees, it is {angle}");
+                    r.fail(raw, "out-of-range", message, "write the smallest angle that a good mesh may have")
+                }
             })
         };
         let number = |r: &mut Self, name, field: Field<'a>| {
             r.maybe(field, |r, raw| match r.plain(name, raw)? {
                 number if number > 0.0 => Some(number),
-                number => r.fail(raw, "out-of-range", format!("`{name}` must be positive, it is {number}")),
+                number => {
+                    let message = format!("`{name}` must be positive, it is {number}");
+                    r.fail(raw, "out-of-range", message, "write the largest value that a good mesh may have")
+                }
             })
         };
         let min_dihedral = angle(self, "min_dihedral", node.min_dihedral);

@@ -14,7 +14,7 @@ use std::path::Path;
 use std::rc::Rc;
 
 /// Depth of solids in solids, through names too: bounds the stack.
-const MAX_DEPTH: usize = 300;
+const MAX_DEPTH: usize = 1000;
 /// Copies in one pattern; the limit on leaves comes before in any real scene.
 const MAX_COPIES: u32 = 1_000_000;
 
@@ -53,7 +53,8 @@ impl<'r, 'a> SolidReader<'r, 'a> {
         for (key, value) in entries.map_or(Vec::new(), |e| e.0) {
             let Some(name) = reader.name("name of a solid", key) else { continue };
             if library.entries.insert(name.clone(), (value, State::New)).is_some() {
-                reader.fail::<()>(key, "duplicate-name", format!("the solid `{name}` is given twice"));
+                let message = format!("the solid `{name}` is given twice");
+                reader.fail::<()>(key, "duplicate-name", message, "give one of them another name");
             }
         }
         Self { reader, library, folder, is_free, depth: 0 }
@@ -74,7 +75,8 @@ impl<'r, 'a> SolidReader<'r, 'a> {
     /// A solid.
     pub fn solid(&mut self, raw: Raw<'a>) -> Option<Rc<Tree>> {
         if self.depth == MAX_DEPTH {
-            return self.reader.fail(raw, "too-deep", format!("solids are nested more than {MAX_DEPTH} deep"));
+            let message = format!("solids are nested more than {MAX_DEPTH} deep");
+            return self.reader.fail(raw, "too-deep", message, "one operation takes any number of operands: Union([a, b, c])");
         }
         self.depth += 1;
         let tree = self.any_solid(raw);
@@ -151,7 +153,8 @@ impl<'r, 'a> SolidReader<'r, 'a> {
 
     fn boolean(&mut self, raw: Raw<'a>, operation: Operation, list: &[Raw<'a>]) -> Option<Rc<Tree>> {
         if list.is_empty() {
-            let warning = Diagnostic::warning("empty-node", "this operation has no operands: it is empty");
+            let warning = Diagnostic::warning("empty-node", "this operation has no operands: it is empty")
+                .hint("fill in its operands, or take it out");
             self.reader.warnings.push(warning.at(self.reader.span(raw)));
         }
         let operands: Vec<Option<Rc<Tree>>> = list.iter().map(|&operand| self.solid(operand)).collect();
@@ -176,15 +179,15 @@ impl<'r, 'a> SolidReader<'r, 'a> {
         let center = self.reader.point_or_origin("center", node.center);
         let raw = self.reader.need(owner, "by", node.by)?;
         let factors = if raw.0.starts_with('(') {
-            let (x, y, z): (Raw, Raw, Raw) = self.reader.read(raw)?;
-            let [x, y, z] = [x, y, z].map(|f| self.reader.plain("by", f));
+            let [x, y, z] = self.reader.tuple("by", raw)?.map(|f| self.reader.plain("by", f));
             Vec3::new(x?, y?, z?)
         } else {
             Vec3::repeat(self.reader.plain("by", raw)?)
         };
         // Factors beyond this make sizes that no unit is meant for.
         if factors.iter().any(|f| !(1e-6..=1e6).contains(&f.abs())) {
-            return self.reader.fail(raw, "out-of-range", "factors of a Scale go from 1e-6 to 1e6, and must not be 0");
+            let message = "factors of a Scale go from 1e-6 to 1e6, and must not be 0";
+            return self.reader.fail(raw, "out-of-range", message, "check the factor; -1 mirrors");
         }
         Some(vec![Motion::scale(factors, center?)])
     }
@@ -203,7 +206,7 @@ impl<'r, 'a> SolidReader<'r, 'a> {
                 let from = self.library.chain.iter().position(|link| link == name).unwrap_or(0);
                 let cycle = self.library.chain[from..].join(" -> ");
                 let message = format!("solids contain each other in a circle: {cycle} -> {name}");
-                return self.reader.fail(raw, "cyclic-reference", message);
+                return self.reader.fail(raw, "cyclic-reference", message, "let one of them do without the others");
             }
             State::New => *state = State::Busy,
         }
@@ -225,10 +228,12 @@ impl<'a> Reader<'a> {
         let vector = step.and_then(|raw| self.point("step", raw));
         let (count, vector) = (count?, vector?);
         if vector == Vec3::zeros() && count > 1 {
-            return self.fail(step.unwrap_or(owner.raw), "zero-axis", "`step` is (0, 0, 0): all copies lie in one place");
+            let message = "`step` is (0, 0, 0): all copies lie in one place";
+            return self.fail(step.unwrap_or(owner.raw), "zero-axis", message, "write the way from one copy to the next");
         }
         if vector.amax() * f64::from(count) > LARGEST {
-            return self.fail(owner.raw, "out-of-range", "the last copy lies farther out than 1e9 units");
+            let message = "the last copy lies farther out than 1e9 units";
+            return self.fail(owner.raw, "out-of-range", message, "check `count` and `step`, and the units");
         }
         Some((0..count).map(|k| Motion::translation(vector * f64::from(k))).collect())
     }

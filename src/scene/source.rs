@@ -9,8 +9,9 @@ use crate::diag::{Diagnostic, Span};
 use ron::extensions::Extensions;
 use serde::{Deserialize, Deserializer};
 
-/// Nesting that `ron` follows. A Boolean inside a Boolean counts two, so 250 of them fit; stacks are sized for it.
-const MAX_DEPTH: usize = 512;
+/// Nesting that `ron` follows. A Boolean inside a Boolean counts four where it is only passed over, so more fit than
+/// `solids::MAX_DEPTH` allows; [`super::STACK`] is sized for it.
+const MAX_DEPTH: usize = 4600;
 /// Bytes read in all, so that deep nesting of a long text cannot take minutes (2^28 bytes take a few seconds).
 const MAX_WORK: usize = 1 << 28;
 

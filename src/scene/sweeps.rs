@@ -28,14 +28,17 @@ impl<'a> Reader<'a> {
 
     fn closed_curve(&mut self, raw: Raw<'a>) -> Option<Path2> {
         let curve = self.curve(raw)?;
-        if curve.is_closed { Some(curve) } else { self.fail(raw, "open-profile", "a profile must be closed") }
+        if curve.is_closed {
+            return Some(curve);
+        }
+        self.fail(raw, "open-profile", "a profile must be closed", "leave out `closed: false`: its end then joins its start")
     }
 
     /// Reports a profile that crosses itself, or holes that are not inside.
     pub fn check_profile(&mut self, owner: Owner<'a>, profile: &Profile) -> Option<()> {
         let Some((message, [x, y])) = super::polyline::profile_fault(profile) else { return Some(()) };
         let message = format!("the profile of the {}: {message} near ({x}, {y}) of its plane", owner.kind);
-        self.fail(owner.raw, "self-crossing", message)
+        self.fail(owner.raw, "self-crossing", message, "list the points in order around it, and holes inside of it and apart")
     }
 
     /// Translation of a profile.
@@ -51,14 +54,23 @@ impl<'a> Reader<'a> {
         let profile = self.profile(owner, node.profile, node.holes);
         let angle = node.angle.0.map_or(Some(360.0), |raw| match self.degrees("angle", raw)? {
             angle if 0.0 < angle && angle <= 360.0 => Some(angle),
-            angle => self.fail(raw, "out-of-range", format!("`angle` must lie above 0 and up to 360 degrees, it is {angle}")),
+            angle => {
+                let message = format!("`angle` must lie above 0 and up to 360 degrees, it is {angle}");
+                self.fail(raw, "out-of-range", message, "turn the other way by means of `start`; leave it out for a full turn")
+            }
         });
         let start = node.start.0.map_or(Some(0.0), |raw| self.degrees("start", raw));
         let frame = self.frame(owner, frame_fields!(node));
         let profile = profile?;
         if bounds(&profile.outer)[0][0] < 0.0 {
             let raw = node.profile.0.unwrap_or(owner.raw);
-            return self.fail(raw, "self-crossing", "the profile of a Revolve must not cross its axis: x must not be negative");
+            let message = "the profile of a Revolve must not cross its axis: x must not be negative";
+            return self.fail(
+                raw,
+                "self-crossing",
+                message,
+                "its first coordinate is the distance from the axis: move it to x >= 0",
+            );
         }
         Some(Primitive::Revolution { frame: frame?, profile, start: radians(start?), angle: radians(angle?) })
     }
@@ -71,16 +83,18 @@ impl<'a> Reader<'a> {
         let (profile, path) = (profile?, path?);
         let at = node.path.0.unwrap_or(owner.raw);
         if let Some((message, [x, y])) = super::polyline::path_fault(&path) {
-            return self.fail(at, "self-crossing", format!("the path: {message} near ({x}, {y}) of its plane"));
+            let message = format!("the path: {message} near ({x}, {y}) of its plane");
+            return self.fail(at, "self-crossing", message, "move its points so that it neither crosses nor touches itself");
         }
         if let Some([x, y]) = tangent_fault(&path) {
             let message = format!("an arc of the path does not continue its neighbour smoothly at ({x}, {y})");
-            return self.fail(at, "bad-arc", message);
+            let hint = "let the arc begin in the direction of the segment before it: its centre lies at a right angle to that";
+            return self.fail(at, "bad-arc", message, hint);
         }
         let [lo, hi] = bounds(&profile.outer);
         if let Some([x, y]) = is_swept_clear(&path, lo[0], hi[0]) {
             let message = format!("the profile is wider than the bend of the path near ({x}, {y}): the sweep crosses itself");
-            return self.fail(at, "self-crossing", message);
+            return self.fail(at, "self-crossing", message, "widen the bend, or make the profile narrower");
         }
         Some(Primitive::PathSweep { frame: frame?, profile, path })
     }
@@ -99,15 +113,26 @@ impl<'a> Reader<'a> {
         let relative = Path::new(&file);
         let is_inside = relative.components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
         if !is_inside && !is_free {
-            return self.fail(raw, "path-outside", format!("`{file}` leaves the folder of the scene"));
+            let hint = "put the file beside the scene or into a folder below it";
+            return self.fail(raw, "path-outside", format!("`{file}` leaves the folder of the scene"), hint);
         }
         let extension = relative.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
         if !["obj", "off", "stl"].contains(&extension.as_str()) {
-            return self.fail(raw, "unknown-format", format!("`{file}` is not .obj, .off or .stl"));
+            let hint = "convert it: gsm imports closed surfaces of these formats";
+            return self.fail(raw, "unknown-format", format!("`{file}` is not .obj, .off or .stl"), hint);
         }
         let path = folder.join(relative);
         if !path.is_file() {
-            return self.fail(raw, "missing-file", format!("there is no file `{}`", path.display()));
+            let message = match path.exists() {
+                true => format!("`{}` is no regular file", path.display()),
+                false => format!("there is no file `{}`", path.display()),
+            };
+            return self.fail(
+                raw,
+                "missing-file",
+                message,
+                "names of files start from the folder of the scene; capitals count",
+            );
         }
         Some(path)
     }

@@ -202,6 +202,10 @@ fn hostile_scenes_end_with_an_error() {
     let deep = |n: usize| of_solids("", &[&format!("{}Sphere(radius: 1){}", "Union([".repeat(n), "])".repeat(n))]);
     assert_eq!(codes(&deep(100)), Vec::<&str>::new());
     assert_eq!(codes(&deep(100_000)), ["too-deep"]);
+    // As deep as solids go, and one more; work grows with the square of the depth at most, on a few kilobytes.
+    assert_eq!(codes(&deep(999)), Vec::<&str>::new());
+    let faults = read(&deep(1000)).unwrap_err();
+    assert!(faults[0].code == "too-deep" && faults[0].message.contains("1000"), "{faults:?}");
     let brackets = of_solids("", &[&"(".repeat(100_000)]);
     assert_eq!(codes(&brackets), ["too-deep"]);
     let sphere = format!("Sphere(radius: \"{}1\")", "(".repeat(100_000));
@@ -220,6 +224,37 @@ fn hostile_scenes_end_with_an_error() {
     for bad in ["", "Scene", "Scene(", "{}", "[1, 2]", "\u{feff}", "Scene(units: 5)", "Scene(units: \"mm\", parts: 3)"] {
         assert!(read(bad).is_err(), "{bad}");
     }
+}
+
+#[test]
+fn faults_from_the_command_line_say_so() {
+    let text = of_solids("params: {\"gap\": 1, \"w\": \"gap * 2\"},", &["Sphere(radius: \"w\")"]);
+    for (name, value, code, said) in [
+        ("gap", "0/0", "not-finite", "--set gap=0/0: `gap`"),
+        ("gap", "1 foo", "wrong-unit", "--set gap=1 foo: "),
+        ("gap", "(", "expression", "--set gap=(: "),
+        ("gapp", "1", "unknown-parameter", "--set gapp=1: "),
+    ] {
+        let set = [(name.to_owned(), value.to_owned())];
+        let faults = parse("test", Path::new(""), &text, &set, &Limits::default()).unwrap_err();
+        assert!(faults[0].code == code && faults[0].message.starts_with(said) && faults.len() == 1, "{faults:?}");
+        assert!(!faults[0].hints.is_empty());
+    }
+}
+
+#[test]
+fn a_parameter_that_is_called_like_a_unit_is_a_warning() {
+    let text = of_solids("params: {\"mm\": 5},", &["Sphere(radius: \"mm\")"]);
+    let (_, warnings) = parse("test", Path::new(""), &text, &[], &Limits::default()).unwrap();
+    assert_eq!(warnings.iter().map(|w| w.code).collect::<Vec<_>>(), ["parameter-like-unit"]);
+}
+
+#[test]
+fn sides_of_a_block_have_all_their_names() {
+    let boundary = "Part(name: \"a\", solid: Block(size: (1, 1, 1)), boundaries: [Side(name: \"t\", side: \"upper\")])";
+    let faults = read(&format!("Scene(units: \"mm\", parts: [{boundary}])")).unwrap_err();
+    assert_eq!(faults[0].code, "unknown-side");
+    assert!(faults[0].hints.iter().any(|h| h.contains("bottom, top, x+")), "{:?}", faults[0].hints);
 }
 
 #[test]

@@ -13,6 +13,25 @@ type Key = ([PartId; 2], Option<BoundaryId>);
 /// Stands for the outside in a key, so that it sorts behind all parts.
 const OUTSIDE: PartId = PartId(u32::MAX);
 
+/// What became of a named boundary.
+#[derive(Clone, Debug, Default)]
+pub struct Claim {
+    /// Whether some facet has its name.
+    pub has_facets: bool,
+    /// The boundaries that have facets which it names too, and a sub-cell of each.
+    pub lost: BTreeMap<BoundaryId, u32>,
+}
+
+/// Names of facets.
+pub struct Names {
+    /// Markers in order of their parts and boundaries.
+    pub markers: IdVec<MarkerId, Marker>,
+    /// The marker of each retained sub-cell.
+    pub marker_of: Vec<MarkerId>,
+    /// What became of each named boundary.
+    pub claims: IdVec<BoundaryId, Claim>,
+}
+
 /// Markers in order of their parts and boundaries, and the marker of each retained sub-cell.
 pub fn assign(
     scene: &Scene,
@@ -20,13 +39,22 @@ pub fn assign(
     arrangement: &Arrangement,
     kept: &[bool],
     parts_of: impl Fn(usize) -> [Option<PartId>; 2],
-) -> (IdVec<MarkerId, Marker>, Vec<MarkerId>) {
+) -> Names {
+    let mut claims: Vec<Claim> = vec![Claim::default(); scene.boundaries.len()];
     let mut keys: Vec<Option<Key>> = vec![None; kept.len()];
     let mut numbers: BTreeMap<Key, MarkerId> = BTreeMap::new();
     for (cell, _) in kept.iter().enumerate().filter(|k| *k.1) {
         let mut parts = parts_of(cell).map(|p| p.unwrap_or(OUTSIDE));
         parts.sort_unstable();
-        let key = (parts, boundary_of(scene, solids, arrangement, cell, parts));
+        let mut named = boundaries_of(scene, solids, arrangement, cell, parts);
+        let first = named.next();
+        if let Some(first) = first {
+            claims[first.index()].has_facets = true;
+            for other in named {
+                claims[other.index()].lost.entry(first).or_insert(cell as u32);
+            }
+        }
+        let key = (parts, first);
         numbers.insert((parts, None), MarkerId(0));
         numbers.insert(key, MarkerId(0));
         keys[cell] = Some(key);
@@ -51,7 +79,7 @@ pub fn assign(
         })
         .collect();
     let marker_of = keys.iter().map(|k| k.map_or(MarkerId(0), |k| numbers[&k])).collect();
-    (markers, marker_of)
+    Names { markers, marker_of, claims: claims.into() }
 }
 
 fn interface_name(scene: &Scene, parts: [PartId; 2]) -> String {
@@ -59,15 +87,15 @@ fn interface_name(scene: &Scene, parts: [PartId; 2]) -> String {
     format!("{}|{}", name(parts[0]), name(parts[1]))
 }
 
-/// The first named boundary in the file that a sub-cell belongs to.
-fn boundary_of(
-    scene: &Scene,
-    solids: &[Solid],
-    arrangement: &Arrangement,
+/// The named boundaries that a sub-cell belongs to, in the order of the file; the first one names it.
+fn boundaries_of<'s>(
+    scene: &'s Scene,
+    solids: &'s [Solid],
+    arrangement: &'s Arrangement,
     cell: usize,
     parts: [PartId; 2],
-) -> Option<BoundaryId> {
-    scene.boundaries.enumerate().find_map(|(id, boundary)| {
+) -> impl Iterator<Item = BoundaryId> + 's {
+    scene.boundaries.enumerate().filter_map(move |(id, boundary)| {
         let is_selected = parts.contains(&boundary.part)
             && match &boundary.selection {
                 BoundarySelection::Outer => parts[1] == OUTSIDE,

@@ -12,6 +12,7 @@ mod markers;
 mod merge;
 pub mod table;
 
+pub use markers::Claim;
 pub use merge::merge;
 
 use crate::arrangement::Arrangement;
@@ -22,7 +23,7 @@ use crate::geom::hash::IndexMap;
 use crate::geom::union_find::UnionFind;
 use crate::ids::{IdVec, LeafId, MarkerId, PartId};
 use crate::primitive::solid::Solid;
-use crate::scene::model::Scene;
+use crate::scene::model::{BoundaryId, Scene};
 
 /// Retained facets over the points of the arrangement.
 pub struct Selected {
@@ -30,6 +31,8 @@ pub struct Selected {
     pub facets: Vec<SelectedFacet>,
     /// Markers in use.
     pub markers: IdVec<MarkerId, Marker>,
+    /// What became of the named boundaries.
+    pub claims: IdVec<BoundaryId, Claim>,
     /// Sub-cells that were dropped.
     pub killed: Vec<u32>,
     /// Part of each volume (`None`: nobody's); volumes are what `SelectedFacet::volumes` numbers.
@@ -68,11 +71,11 @@ pub fn select(scene: &Scene, solids: &[Solid], arrangement: &Arrangement, classi
         let [front, back] = volumes_of(cell).map(|v| v as usize);
         [part_of_volume[front], part_of_volume[back]] = parts_beside(cell);
     }
-    let (markers, marker_of) =
-        markers::assign(scene, solids, arrangement, &kept, |cell| volumes_of(cell).map(|v| part_of_volume[v as usize]));
+    let names = markers::assign(scene, solids, arrangement, &kept, |cell| volumes_of(cell).map(|v| part_of_volume[v as usize]));
     let source_of = sources(arrangement, classified, &decision, &kept);
-    let facets = merge(arrangement, &classified.edges, &kept, &marker_of, &source_of, volumes_of);
-    Selected { facets, markers, killed, part_of_volume, overlaps: decision.overlaps }
+    let facets = merge(arrangement, &classified.edges, &kept, &names.marker_of, &source_of, volumes_of);
+    let markers::Names { markers, claims, .. } = names;
+    Selected { facets, markers, claims, killed, part_of_volume, overlaps: decision.overlaps }
 }
 
 /// Shells between which no retained facet stands are one volume: the volume of each, and their number.

@@ -173,7 +173,10 @@ impl Climb {
             Ok(done) => done,
             // There is a mesh.
             Err(_) if self.runaway.is_some() => return Ok(Next::Stop),
-            Err(e) => return Err(vec![Diagnostic::error("no-tetgen", format!("{}: {e}", program.path.display()))]),
+            Err(e) => {
+                let fault = Diagnostic::error("no-tetgen", format!("{}: {e}", program.path.display()));
+                return Err(vec![fault.hint("check that the program runs: `tetgen -h`; --tetgen names another")]);
+            }
         };
         let endless = result.as_ref().ok().and_then(|m| runaway::verdict(m, options.ratio, input.plc.vertices.len()));
         let verdict = match &result {

@@ -18,7 +18,8 @@ pub(super) struct Pair<'a> {
     pub projections: [Projection; 2],
 }
 
-type Contact = Option<(Kind, Vec3)>;
+/// The worst kind found so far, and a point of it.
+pub(super) type Contact = Option<(Kind, Vec3)>;
 
 impl<'a> Pair<'a> {
     /// The worst forbidden contact and a point of it.
@@ -112,7 +113,7 @@ impl<'a> Pair<'a> {
     }
 }
 
-fn keep_worse(worst: &mut Contact, found: Contact) {
+pub(super) fn keep_worse(worst: &mut Contact, found: Contact) {
     if let Some(f) = found
         && worst.is_none_or(|w| f.0 > w.0)
     {
@@ -145,14 +146,14 @@ fn is_beyond_edge_at_first(s: [&Vec3; 3], projection: Projection, others: [&Vec3
 }
 
 /// A segment and the sides of a triangle's plane on which its ends lie.
-struct Segment<'a> {
-    ends: [&'a Vec3; 2],
-    signs: [Sign; 2],
+pub(super) struct Segment<'a> {
+    pub ends: [&'a Vec3; 2],
+    pub signs: [Sign; 2],
 }
 
 impl Segment<'_> {
     /// Where the segment meets the triangle, which is counter-clockwise in the projection.
-    fn contact(&self, triangle: [&Vec3; 3], projection: Projection) -> Contact {
+    pub fn contact(&self, triangle: [&Vec3; 3], projection: Projection) -> Contact {
         let [p, q] = self.ends;
         match self.signs {
             [0, 0] => self.contact_in_plane(triangle, projection),

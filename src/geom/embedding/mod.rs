@@ -9,8 +9,12 @@
 //! the two are a `VertexOnEdge`.
 
 mod contact;
+mod loose;
 #[cfg(test)]
 mod tests;
+
+pub(crate) use loose::is_inside;
+pub use loose::{LooseViolation, Partner, loose_violations};
 
 use super::Vec3;
 use super::aabb::Aabb;

@@ -10,6 +10,9 @@ const MAX_BYTES: u64 = 1 << 30;
 /// Largest magnitude of a coordinate: products of three still have room in `f64`.
 const MAX_COORDINATE: f64 = 1e100;
 
+/// Where to look up what the lines of a file must hold.
+const FORMAT: &str = "the format is that of TetGen's manual, section 5.2; counts at the head of a list must fit what follows";
+
 /// Reads a .poly or, by its extension, a .smesh file; vertices may stand in a .node file beside it.
 ///
 /// # Errors
@@ -23,7 +26,10 @@ pub fn read(path: &Path) -> Result<Plc, Diagnostic> {
 }
 
 fn load(path: &Path) -> Result<String, Diagnostic> {
-    let refused = |why: String| Diagnostic::error("cannot-read", format!("cannot read {}: {why}", path.display()));
+    let refused = |why: String| {
+        Diagnostic::error("cannot-read", format!("cannot read {}: {why}", path.display()))
+            .hint("give the path of a .poly, .smesh or scene that can be read; a .node file stands beside its .poly")
+    };
     let size = std::fs::metadata(path).map_err(|e| refused(e.to_string()))?;
     if !size.is_file() {
         return Err(refused("it is no regular file".to_owned()));
@@ -173,7 +179,7 @@ impl Line<'_> {
         // Words are slices of the line: their distance is the column; a missing word is at its end.
         let start = self.words.get(word).map_or(self.text.len(), |w| w.as_ptr() as usize - self.text.as_ptr() as usize);
         let column = self.text.get(..start).map_or(0, |before| before.chars().count()) as u32 + 1;
-        Diagnostic::error("bad-poly", message).at(Span { line: self.number, column })
+        Diagnostic::error("bad-poly", message).at(Span { line: self.number, column }).hint(FORMAT)
     }
     fn word(&self, k: usize, what: &str) -> Result<&str, Diagnostic> {
         self.words.get(k).copied().ok_or_else(|| self.fault(k, format!("{what} is missing")))
@@ -216,6 +222,7 @@ impl<'a> Lines<'a> {
         self.next().ok_or_else(|| {
             Diagnostic::error("bad-poly", format!("the file ends where {what} should follow"))
                 .at(Span { line: last, column: 1 })
+                .hint(FORMAT)
         })
     }
 }

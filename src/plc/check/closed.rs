@@ -1,6 +1,7 @@
 //! Every edge has at least two facets, and every facet two different volumes on its sides.
 
 use super::Subject;
+use super::faces::Faces;
 use crate::diag::Diagnostic;
 use crate::geom::union_find::UnionFind;
 use crate::plc::volumes::Volumes;
@@ -49,24 +50,29 @@ pub fn open_edges(subject: &Subject, volumes: &Volumes) -> Vec<Diagnostic> {
 }
 
 /// Facets with one volume on both sides, or with several on one side.
-pub fn sheets(subject: &Subject, volumes: &Volumes) -> Vec<Diagnostic> {
-    let mut sides: Vec<BTreeSet<[u32; 2]>> = vec![BTreeSet::new(); subject.plc.facets.len()];
-    for (t, &f) in subject.facet_of.iter().enumerate() {
+pub fn sheets(subject: &Subject, volumes: &Volumes, faces: &Faces) -> Vec<Diagnostic> {
+    let mut sides: Vec<BTreeSet<[u32; 2]>> = vec![BTreeSet::new(); faces.facet_of.len()];
+    for (t, &f) in faces.of_triangle.iter().enumerate() {
         sides[f as usize].insert([volumes.of_side[2 * t], volumes.of_side[2 * t + 1]]);
     }
     let mut findings = Vec::new();
-    for (k, pairs) in sides.iter().enumerate() {
-        let name = || subject.facet_name(k as u32);
-        let finding = match pairs.first() {
-            Some([front, back]) if pairs.len() == 1 && front == back => {
-                Diagnostic::error("sheet", format!("{} has the same volume on both sides", name()))
-            }
-            Some(_) if pairs.len() > 1 => {
-                Diagnostic::error("several-volumes", format!("{} has several volumes on one side", name()))
-            }
-            _ => continue,
+    for facet in (0..sides.len()).collect::<Vec<_>>().chunk_by(|&a, &b| faces.facet_of[a] == faces.facet_of[b]) {
+        let number = faces.facet_of[facet[0]];
+        let name = subject.facet_name(number);
+        let is_sheet = |&f: &usize| sides[f].iter().any(|[front, back]| front == back);
+        let finding = if facet.iter().any(is_sheet) {
+            Diagnostic::error("sheet", format!("{name} has the same volume on both sides"))
+                .hint("take it out, or add what is missing of the wall that it belongs to")
+        } else if facet.iter().any(|&f| sides[f].len() > 1) {
+            Diagnostic::error("several-volumes", format!("{name} has several volumes on one side"))
+                .hint("divide it where the wall between the volumes meets it")
+        } else if facet.iter().any(|&f| sides[f] != sides[facet[0]]) {
+            Diagnostic::warning("several-volumes", format!("the pieces of {name} have different volumes on their sides"))
+                .hint("make a facet of each piece, so that each has a marker of its own")
+        } else {
+            continue;
         };
-        let corner = subject.plc.facets[k].polygons.first().and_then(|p| p.first());
+        let corner = subject.plc.facets[number as usize].polygons.first().and_then(|p| p.first());
         findings.push(corner.map_or(finding.clone(), |&v| finding.near(subject.point(v))));
     }
     findings

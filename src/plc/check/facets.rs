@@ -4,7 +4,10 @@ use super::Subject;
 use crate::diag::Diagnostic;
 use crate::geom::Vec3;
 use crate::geom::polygon::{PolygonError, vector_area};
-use std::collections::BTreeMap;
+use crate::geom::union_find::UnionFind;
+use crate::plc::PlcFacet;
+use crate::plc::facet::{Area, is_once_each, segments_of};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Largest distance of a polygon's vertices from its plane, in units in the last place of the model's size: what rounding the
 /// coordinates of an oblique polygon leaves, and a little for measuring it.
@@ -14,37 +17,80 @@ const PLANARITY_ULPS: f64 = 4.0;
 pub fn malformed(subject: &Subject) -> Vec<Diagnostic> {
     let mut findings = Vec::new();
     for (k, f) in subject.plc.facets.iter().enumerate() {
-        if f.polygons.iter().all(|p| p.len() < 3) {
-            findings.push(Diagnostic::error("bad-polygon", format!("{} has no outline", subject.facet_name(k as u32))));
+        if !has_outline(f) {
+            let message = format!("{} has no outline, only segments and vertices", subject.facet_name(k as u32));
+            let corner = f.polygons.iter().flatten().next();
+            let finding = Diagnostic::warning("bad-polygon", message)
+                .hint("TetGen keeps them as constraints of the mesh; take the facet out if it bounds nothing");
+            findings.push(corner.map_or(finding.clone(), |&v| finding.near(subject.point(v))));
         }
         for polygon in f.polygons.iter().filter(|p| p.len() > 1) {
             let repeated = (0..polygon.len()).find(|&i| polygon[i] == polygon[(i + 1) % polygon.len()]);
             if let Some(i) = repeated {
                 let message = format!("{} lists vertex {} twice in a row", subject.facet_name(k as u32), polygon[i] + 1);
-                findings.push(Diagnostic::error("bad-polygon", message).near(subject.point(polygon[i])));
+                let finding = Diagnostic::error("bad-polygon", message).near(subject.point(polygon[i]));
+                findings.push(finding.hint("list it once"));
             }
         }
     }
     findings
 }
 
+/// Whether segments of a facet close a loop.
+pub fn has_outline(f: &PlcFacet) -> bool {
+    if f.polygons.iter().any(|p| p.len() > 2 && is_once_each(p)) {
+        return true;
+    }
+    // Segments without a loop join what no others have joined.
+    let segments: BTreeSet<[u32; 2]> = f.polygons.iter().flat_map(|p| segments_of(p)).collect();
+    let vertices: BTreeSet<u32> = segments.iter().flatten().copied().collect();
+    let vertices: Vec<u32> = vertices.into_iter().collect();
+    let slot = |v: u32| vertices.binary_search(&v).unwrap_or(0) as u32;
+    let mut union = UnionFind::new(vertices.len());
+    segments.iter().any(|&[a, b]| {
+        let [a, b] = [a, b].map(slot);
+        let is_closing = union.find(a) == union.find(b);
+        union.join(a, b);
+        is_closing
+    })
+}
+
+/// Hole points of a facet that do nothing, and those that lie on its segments.
+pub fn wrong_holes(subject: &Subject, facet: u32, area: &Area) -> Vec<Diagnostic> {
+    let name = || subject.facet_name(facet);
+    let idle = area.idle_holes.iter().map(|&p| {
+        Diagnostic::warning("idle-hole", format!("{}: a hole point lies outside of it and takes nothing away", name()))
+            .near(p)
+            .hint("move it into the hole, or take it out")
+    });
+    let unclear = area.unclear_holes.iter().map(|&p| {
+        Diagnostic::error("hole-on-edge", format!("{}: a hole point lies on an edge, so that its hole is not clear", name()))
+            .near(p)
+            .hint("move it strictly inside the hole")
+    });
+    idle.chain(unclear).collect()
+}
+
 /// A facet that has no triangulation.
 pub fn no_triangulation(subject: &Subject, facet: u32, why: PolygonError) -> Diagnostic {
-    let what = match why {
-        PolygonError::NotSimple => "its edges cross or overlap",
-        PolygonError::Flat => "it has no area",
+    let has_holes = !subject.plc.facets[facet as usize].holes.is_empty();
+    let (what, hint) = match why {
+        PolygonError::NotSimple => (
+            "its edges cross, overlap or pass through a vertex",
+            "divide edges where they meet, and list the vertices in order around the facet",
+        ),
+        PolygonError::Flat if has_holes => ("its hole points leave nothing of it", "move them into the holes"),
+        PolygonError::Flat => ("it has no area", "take it out, or correct its vertices"),
     };
     let message = format!("{} is no simple polygon: {what}", subject.facet_name(facet));
     let corner = subject.plc.facets[facet as usize].polygons.first().and_then(|p| p.first());
-    let finding = Diagnostic::error("not-simple", message);
+    let finding = Diagnostic::error("not-simple", message).hint(hint);
     corner.map_or(finding.clone(), |&v| finding.near(subject.point(v)))
 }
 
 /// Facets whose vertices are not in one plane.
 pub fn bent(subject: &Subject) -> Vec<Diagnostic> {
-    // Far from the origin the coordinates themselves are coarser than the model's size tells.
-    let scale = subject.plc.vertices.iter().fold(subject.size, |m, p| m.max(p.amax()));
-    let limit = PLANARITY_ULPS * f64::EPSILON * scale;
+    let limit = PLANARITY_ULPS * f64::EPSILON * subject.scale();
     let mut findings = Vec::new();
     for (k, f) in subject.plc.facets.iter().enumerate() {
         if f.polygons.iter().map(Vec::len).sum::<usize>() <= 3 {

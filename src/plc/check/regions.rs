@@ -1,11 +1,13 @@
 //! One seed or hole in each bounded volume, and none anywhere else.
 
 use super::{MAX_FINDINGS, Subject};
-use crate::diag::Diagnostic;
+use crate::diag::{Diagnostic, Severity};
 use crate::geom::Vec3;
 use crate::plc::cast::{CastError, Caster};
 use crate::plc::volumes::Volumes;
 use std::collections::BTreeSet;
+
+const SEED_HINT: &str = "add a region point, or a hole point if it is empty";
 
 /// Markers named for a volume without seed.
 const MAX_NAMES: usize = 6;
@@ -20,7 +22,10 @@ pub fn misplaced_seeds(subject: &Subject, volumes: &Volumes, caster: &Caster) ->
     for (name, point) in seeds.chain(holes) {
         match volumes.at(&point, caster) {
             Ok(0) => {
-                findings.push(Diagnostic::error("seed-outside", format!("{name} lies outside of every volume")).near(point))
+                let message = format!("{name} lies outside of every volume");
+                findings.push(
+                    Diagnostic::error("seed-outside", message).near(point).hint("move it into its volume, or take it out"),
+                )
             }
             Ok(volume) => match &mut owner[volume as usize] {
                 Some(other) => findings.push(
@@ -32,10 +37,12 @@ pub fn misplaced_seeds(subject: &Subject, volumes: &Volumes, caster: &Caster) ->
             },
             Err(CastError::On(t)) => {
                 let message = format!("{name} lies on {}", subject.facet_of_name(t));
-                findings.push(Diagnostic::error("seed-on-facet", message).near(point));
+                findings
+                    .push(Diagnostic::error("seed-on-facet", message).near(point).hint("move it strictly inside its volume"));
             }
             Err(CastError::Degenerate) => {
-                findings.push(Diagnostic::error("seed-unclear", format!("no ray from {name} misses every edge")).near(point))
+                let message = format!("no ray from {name} misses every edge");
+                findings.push(Diagnostic::error("seed-unclear", message).near(point).hint("move it a little inside its volume"))
             }
         }
     }
@@ -46,8 +53,15 @@ pub fn misplaced_seeds(subject: &Subject, volumes: &Volumes, caster: &Caster) ->
         findings.push(match k {
             // What is around it takes a walk over all triangles: only for those that will be shown.
             0..MAX_FINDINGS => missing(subject, volumes, volume),
-            _ => Diagnostic::error("missing-seed", "a volume has no seed"),
+            _ => Diagnostic::error("missing-seed", "a volume has no seed").hint(SEED_HINT),
         });
+    }
+    // A hole point that is needed nowhere does nothing.
+    if without.is_empty() {
+        let is_hole = |p: &Vec3| plc.holes.contains(p) && !plc.seeds.iter().any(|s| s.point == *p);
+        let idle =
+            findings.iter_mut().filter(|f| f.code == "seed-outside" && f.points.iter().all(|p| is_hole(&Vec3::from(*p))));
+        idle.for_each(|f| f.severity = Severity::Warning);
     }
     findings.extend(unknown_numbers(subject));
     findings
@@ -67,7 +81,7 @@ fn missing(subject: &Subject, volumes: &Volumes, volume: u32) -> Diagnostic {
     }
     let message = format!("a volume has no seed; around it: {}", names.join(", "));
     let corner = triangles.first().map_or(Vec3::zeros(), |&t| subject.point(subject.triangles[t][0]));
-    Diagnostic::error("missing-seed", message).near(corner).hint("add a region point, or a hole point if it is empty")
+    Diagnostic::error("missing-seed", message).near(corner).hint(SEED_HINT)
 }
 
 /// Regions and markers that the manifest does not list.

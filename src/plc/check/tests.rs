@@ -98,6 +98,139 @@ fn a_sheet_a_seed_on_a_facet_and_a_crossing_polygon() {
     assert_eq!(codes(&samples::cube(), |p| p.facets[0].polygons[0].swap(0, 1)), ["not-simple"]);
 }
 
+/// A cube in a large one, with further vertices 16, ...; region 1 between them and region 2 inside.
+fn nested(further: &[[f64; 3]], change: impl Fn(&mut Plc)) -> Vec<(&'static str, Severity)> {
+    let corner = |k: usize, lo: f64, hi: f64| [k & 1, k >> 1 & 1, k >> 2].map(|b| if b == 0 { lo } else { hi });
+    let corners = (0..16).map(|k| corner(k % 8, [-3.0, 0.0][k / 8], [6.0, 1.0][k / 8]));
+    let sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let facet = |k: u32| PlcFacet {
+        polygons: vec![sides[k as usize % 6].map(|v| v + k / 6 * 8).to_vec()],
+        holes: vec![],
+        marker: 1 + i64::from(k),
+    };
+    let seed = |x: f64, region| Seed { point: Vec3::repeat(x), region, max_volume: None };
+    let mut plc = Plc {
+        vertices: corners.chain(further.iter().copied()).map(Vec3::from).collect(),
+        facets: (0..12).map(facet).collect(),
+        seeds: vec![seed(-1.5, 1), seed(0.45, 2)],
+        holes: vec![],
+    };
+    change(&mut plc);
+    check(&plc, None).iter().map(|d| (d.code, d.severity)).collect()
+}
+
+#[test]
+fn spikes_and_segments_take_part_in_the_test_for_contacts() {
+    // Vertex 15 is the corner (1, 1, 1) of the inner cube, whose facet 8 lies in z = 1.
+    let spike = |p: &mut Plc| p.facets[7].polygons[0].splice(2..3, [15, 16, 15]).for_each(drop);
+    let segment = |p: &mut Plc| p.facets[7].polygons.push(vec![15, 16]);
+    let free = |p: &mut Plc| p.facets.push(PlcFacet { polygons: vec![vec![15, 16]], ..PlcFacet::default() });
+    let error = |code| (code, Severity::Error);
+    let warning = |code| (code, Severity::Warning);
+    // Ends in the large cube, on its side, and outside.
+    assert_eq!(nested(&[[2.0, 2.0, 1.0]], spike), [error("spike")]);
+    assert_eq!(nested(&[[6.0, 2.0, 1.0]], spike), [error("spike"), error("vertex-on-facet")]);
+    assert_eq!(nested(&[[7.0, 2.0, 1.0]], spike), [error("spike"), error("penetration")]);
+    assert_eq!(nested(&[[2.0, 2.0, 1.0]], segment), [warning("loose-segment")]);
+    assert_eq!(nested(&[[6.0, 2.0, 1.0]], segment), [error("vertex-on-facet")]);
+    assert_eq!(nested(&[[7.0, 2.0, 1.0]], segment), [error("penetration")]);
+    assert_eq!(nested(&[[2.0, 2.0, 1.0]], free), [warning("bad-polygon")]);
+    assert_eq!(nested(&[[7.0, 2.0, 1.0]], free), [warning("bad-polygon"), error("penetration")]);
+    // Through the inner cube itself, and along one of its edges.
+    assert_eq!(nested(&[[-1.0, -1.0, -1.0]], free)[1], error("t-junction"));
+    assert_eq!(nested(&[[0.5, 1.0, 1.0]], free)[1], error("t-junction"));
+    // By themselves in the outside TetGen crashes on them.
+    let outside = |p: &mut Plc| p.facets.push(PlcFacet { polygons: vec![vec![16, 17]], ..PlcFacet::default() });
+    let apart = [[8.0, 0.0, 0.0], [9.0, 0.0, 0.0]];
+    assert_eq!(nested(&apart, outside), [warning("bad-polygon"), error("loose-segment")]);
+    // Two that cross each other, and one along the diagonal of a facet.
+    let two = |p: &mut Plc| {
+        outside(p);
+        p.facets.push(PlcFacet { polygons: vec![vec![18, 19]], ..PlcFacet::default() });
+    };
+    let crossing = [[2.0, 2.0, 2.0], [4.0, 4.0, 2.0], [2.0, 4.0, 2.0], [4.0, 2.0, 2.0]];
+    assert_eq!(nested(&crossing, two)[2], error("edges-cross"));
+    // A facet is divided along one of its diagonals.
+    let diagonal = |a, b| nested(&[], |p| p.facets.push(PlcFacet { polygons: vec![vec![a, b]], ..PlcFacet::default() }))[1];
+    let mut found = [diagonal(12, 15), diagonal(13, 14)];
+    found.sort_unstable();
+    assert_eq!(found, [error("edges-cross"), error("unlisted-edge")]);
+}
+
+#[test]
+fn what_tetgen_takes_is_no_error() {
+    let square = [[0.25, 0.25, 1.0], [0.75, 0.25, 1.0], [0.75, 0.75, 1.0], [0.25, 0.75, 1.0], [4.0, 4.0, 4.0]];
+    let warning = |code| (code, Severity::Warning);
+    let list = |polygons: &'static [&'static [u32]]| {
+        move |p: &mut Plc| p.facets[7].polygons.extend(polygons.iter().map(|w| w.to_vec()))
+    };
+    let with = |polygons: &'static [&'static [u32]]| {
+        nested(&square, |p| {
+            p.vertices.pop();
+            list(polygons)(p);
+        })
+    };
+    assert_eq!(with(&[&[16, 17, 18, 19]]), []);
+    assert_eq!(with(&[&[16, 17], &[18], &[19], &[16]]), []);
+    assert_eq!(with(&[&[16, 17], &[17, 16], &[16, 18], &[19]]), []);
+    assert_eq!(with(&[&[16, 17, 18], &[16, 18, 19]]), []);
+    let hole = |at: [f64; 3]| {
+        nested(&square[..4], |p| {
+            list(&[&[16, 17], &[17, 18], &[18, 19], &[19, 16]])(p);
+            p.facets[7].holes.push(at.into());
+        })
+    };
+    assert_eq!(hole([0.5, 0.5, 1.0]), [("open-edge", Severity::Error)]);
+    assert_eq!(hole([2.0, 0.5, 1.0]), [warning("idle-hole")]);
+    assert_eq!(hole([0.5, 0.25, 1.0]), [("hole-on-edge", Severity::Error)]);
+    let lone = |p: &mut Plc| p.facets.push(PlcFacet { polygons: vec![vec![16]], ..PlcFacet::default() });
+    assert_eq!(nested(&square[4..], lone), [warning("bad-polygon")]);
+    assert_eq!(nested(&[[4.0, 4.0, 1.0]], list(&[&[16]])), [warning("loose-vertex")]);
+    assert_eq!(nested(&[[0.3, 0.4, 1.0]], lone), [warning("bad-polygon"), ("vertex-on-facet", Severity::Error)]);
+    // A facet in two pieces, which have different volumes on their sides.
+    let merge = |p: &mut Plc| {
+        let polygon = p.facets[7].polygons.remove(0);
+        p.facets[1].polygons.push(polygon);
+        p.facets.remove(7);
+        p.vertices.iter_mut().filter(|v| v.z == 6.0).for_each(|v| v.z = 1.0);
+    };
+    assert_eq!(nested(&[], merge), [warning("several-volumes")]);
+    assert_eq!(nested(&[], |p| p.holes.push(Vec3::repeat(50.0))), [warning("seed-outside")]);
+}
+
+#[test]
+fn a_manifest_that_says_something_else_is_found() {
+    let sample = samples::two_cubes();
+    let plc = plc_of(&sample);
+    let complex = sample.complex();
+    let manifest = Manifest::new(&sample.scene(), &complex, &crate::plc::measure::measure(&complex), &plc);
+    let codes = |change: &dyn Fn(&mut Plc, &mut Manifest)| {
+        let (mut plc, mut manifest) = (plc.clone(), manifest.clone());
+        change(&mut plc, &mut manifest);
+        let mut codes: Vec<_> = check(&plc, Some(&manifest)).iter().map(|d| d.code).collect();
+        codes.dedup();
+        codes
+    };
+    assert_eq!(codes(&|_, _| ()), [""; 0]);
+    let swap = |p: &mut Plc| {
+        let point = p.seeds[0].point;
+        p.seeds[0].point = p.seeds[1].point;
+        p.seeds[1].point = point;
+    };
+    assert_eq!(codes(&|p, _| swap(p))[0], "wrong-marker");
+    let markers: Vec<i64> = plc.facets.iter().map(|f| f.marker).collect();
+    let other = markers.iter().position(|&m| m != markers[0]).unwrap();
+    assert_eq!(
+        codes(&|p, _| p.facets[0].marker = markers[other]),
+        ["wrong-marker", "wrong-area", "wrong-count", "wrong-area", "wrong-count"]
+    );
+    assert_eq!(codes(&|_, m| m.regions[0].volume *= 1.0 + 2e-9), ["wrong-volume"]);
+    assert_eq!(codes(&|_, m| m.regions[0].volume = f64::NAN), ["wrong-volume"]);
+    assert_eq!(codes(&|_, m| m.markers[0].area *= 1.0 + 2e-9), ["wrong-area"]);
+    assert_eq!(codes(&|_, m| m.markers[0].facets += 1), ["wrong-count"]);
+    assert_eq!(codes(&|_, m| m.counts.vertices += 1), ["wrong-count"]);
+}
+
 #[test]
 fn a_wrong_region_on_a_side_is_found() {
     let sample = samples::two_cubes();

@@ -41,8 +41,10 @@ pub fn unused(subject: &Subject, caster: &Caster) -> Vec<Diagnostic> {
                 Err(CastError::On(t)) => Diagnostic::error(
                     "unlisted-vertex",
                     format!("vertex {} lies on {}, which does not list it", v + 1, subject.facet_of_name(t)),
-                ),
-                _ => Diagnostic::error("orphan-vertex", format!("vertex {} is used by no facet", v + 1)),
+                )
+                .hint("list the vertex in the facet as a polygon of one vertex, or take it out"),
+                _ => Diagnostic::error("orphan-vertex", format!("vertex {} is used by no facet", v + 1))
+                    .hint("take it out and number the others anew, or list it in the facets that it belongs to"),
             }
             .near(p)
         })
