@@ -179,3 +179,41 @@ fn check_finds_a_vertex_that_was_moved_by_hand() {
     assert_eq!(run.status.code(), Some(1), "{said}");
     assert!(said.contains("not-planar") && said.contains("body|outer"), "{said}");
 }
+
+const TWO: &str = r#"Scene(units: "mm", parts: [
+    Part(name: "a", solid: Block(size: (1, 1, 1)), boundaries: [Outer(name: "skin")]),
+    Part(name: "b", solid: Block(size: (1, 1, 2), at: (0, 0, 1)))])"#;
+
+#[test]
+fn what_is_written_is_listed_and_an_interface_that_boundaries_cover_is_not() {
+    let folder = folder("cli-listed");
+    fs::write(folder.join("two.ron"), TWO).unwrap();
+    let said = String::from_utf8(gsm(["build", "two.ron"], &folder).stdout).unwrap();
+    assert!(said.contains("written: two.poly, two.gsm.json\n"), "{said}");
+    assert!(said.contains("skin") && said.contains("b|outer") && !said.contains("a|outer"), "{said}");
+}
+
+#[test]
+fn check_finds_a_manifest_that_belongs_to_something_else() {
+    let folder = folder("cli-manifest");
+    fs::write(folder.join("two.ron"), TWO).unwrap();
+    assert_eq!(gsm(["build", "two.ron", "-q"], &folder).status.code(), Some(0));
+    assert_eq!(gsm(["check", "two.poly"], &folder).status.code(), Some(0));
+    // The region points are the last lines: number, x, y, z, region, volume.
+    let poly = fs::read_to_string(folder.join("two.poly")).unwrap();
+    let swapped: Vec<String> = poly
+        .lines()
+        .map(|line| match line.split_whitespace().collect::<Vec<_>>()[..] {
+            [k, x, y, z, "1", v] => format!("{k} {x} {y} {z} 2 {v}"),
+            [k, x, y, z, "2", v] => format!("{k} {x} {y} {z} 1 {v}"),
+            _ => line.to_owned(),
+        })
+        .collect();
+    fs::write(folder.join("two.poly"), swapped.join("\n")).unwrap();
+    let run = gsm(["check", "two.poly"], &folder);
+    let said = String::from_utf8(run.stdout).unwrap();
+    assert_eq!(run.status.code(), Some(1), "{said}");
+    for part in ["wrong-marker", "wrong-volume", "region 1 (a)", "(skin) lies between `b` and no part"] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+}

@@ -50,7 +50,12 @@ pub fn parse(text: &str, nodes: Option<&str>, is_smesh: bool) -> Result<Plc, Dia
     let first = match nodes {
         Some(nodes) => {
             lines.expect("the number of vertices")?;
-            vertices(&mut Lines::new(nodes), &mut plc)?
+            // Places are those of the file that is read; this is another one.
+            let elsewhere = |d: Diagnostic| {
+                let line = d.span.map_or(0, |s| s.line);
+                Diagnostic { message: format!("line {line} of the .node file: {}", d.message), span: None, ..d }
+            };
+            vertices(&mut Lines::new(nodes), &mut plc).map_err(elsewhere)?
         }
         None => vertices(&mut lines, &mut plc)?,
     };
