@@ -48,7 +48,10 @@ fn wrong_sides(subject: &Subject, manifest: &Manifest, volumes: &Volumes, number
         let marker = subject.plc.facets[facet as usize].marker;
         let Some(entry) = entries.get(&marker) else { continue };
         let [a, b] = [0, 1].map(|k| entry.parts[k].as_deref());
-        let (front, back) = (name(2 * t), name(2 * t + 1));
+        let (front, back) = match (name(2 * t), name(2 * t + 1)) {
+            (None, back) => (back, None),
+            sides => sides,
+        };
         // One triangle tells it for its facet.
         if [(a, b), (b, a)].contains(&(front, back)) || std::mem::replace(&mut last, facet) == facet {
             continue;
