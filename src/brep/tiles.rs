@@ -54,7 +54,8 @@ impl Brep {
     }
 
     /// Cuts a polygon into the triangles kept beside it: what a strip of a curved side needs before it can be remeshed. Euler
-    /// operators: MEKL until one loop is left, then MEF.
+    /// operators: MEKL until one loop is left, then MEF. Two vertices that a diagonal joins must have no edge yet: where facets meet in
+    /// nothing but edges and vertices, they have none.
     pub fn divide_facet(&mut self, facet: FacetId) -> Touched {
         let tiles = std::mem::take(&mut self.facets[facet].tiles);
         let fans = Fans::new(&tiles);
