@@ -16,6 +16,8 @@ pub(super) struct Pair<'a> {
     pub points: &'a [Vec3],
     pub triangles: [[u32; 3]; 2],
     pub projections: [Projection; 2],
+    /// Points about which triangles meet in common edges only.
+    pub is_disc: &'a [bool],
 }
 
 /// The worst kind found so far, and a point of it.
@@ -29,6 +31,9 @@ impl<'a> Pair<'a> {
         let mut count = 0;
         for (i, v) in s.iter().enumerate() {
             if let Some(j) = t.iter().position(|w| w == v) {
+                if self.is_disc[*v as usize] {
+                    return None;
+                }
                 shared[count] = (i, j);
                 count += 1;
             }

@@ -1,14 +1,16 @@
 //! Exact proof that triangles meet only in whole shared vertices and edges.
 //!
 //! Reads triangles with `f64` vertices from `round` or a .poly file; whatever else the triangles have in common is a
-//! [`Violation`]. Candidate pairs come from a self-join of the box tree; the great majority are neighbours, which
-//! [`contact`] settles by a few signs in a coordinate plane. Only the rest needs signs of volumes. Everything is decided by
+//! [`Violation`]. Candidate pairs come from a self-join of the box tree; the great majority are neighbours: those
+//! about one vertex of a smooth surface are settled together ([`fans`]), others by a few signs in a coordinate plane ([`contact`]).
+//! Only the rest needs signs of volumes. Everything is decided by
 //! `predicates`, so a penetration by one unit in the last place is found and a near miss is none.
 //!
 //! Example: two triangles over one edge are fine; with a vertex of a third in the middle of that edge, the third and each of
 //! the two are a `VertexOnEdge`.
 
 mod contact;
+mod fans;
 mod loose;
 #[cfg(test)]
 mod tests;
@@ -74,6 +76,7 @@ pub fn violations(points: &[Vec3], triangles: &[[u32; 3]], limit: usize) -> Vec<
         .map(|t| Violation { triangles: [t, t], kind: Kind::Degenerate, point: points[triangles[t as usize][0] as usize] })
         .take(limit)
         .collect();
+    let is_disc = fans::discs(points, triangles, &projections);
     let boxes = triangles.iter().map(|t| Aabb::around(t.iter().map(|&v| &points[v as usize]))).collect();
     let mut tree = Bvh::new(boxes);
     let number = tree.renumber();
@@ -87,7 +90,7 @@ pub fn violations(points: &[Vec3], triangles: &[[u32; 3]], limit: usize) -> Vec<
             let [(s, Some(p)), (t, Some(q))] = [first, second].map(|k| faces[k as usize]) else {
                 return ControlFlow::Continue(());
             };
-            let pair = contact::Pair { points, triangles: [s, t], projections: [p, q] };
+            let pair = contact::Pair { points, triangles: [s, t], projections: [p, q], is_disc: &is_disc };
             if let Some((kind, point)) = pair.forbidden_contact() {
                 local.push(Violation { triangles: [first, second].map(|k| number[k as usize]), kind, point });
             }
