@@ -154,16 +154,29 @@ impl EdgeUses {
     /// where a piece that is set aside may stand between them.
     pub fn shells(&self, cells: &SubCells) -> (Vec<[u32; 2]>, usize) {
         let mut sets = UnionFind::new(2 * cells.len());
-        let fate = |corner: &u32| cells.fate_of(self.cell_of[*corner as usize] as usize);
-        let is_compared = |group: &&[u32]| !cells.has_fates() || group.iter().all(|c| !fate(c).is_aside());
         let is_live = |side: u32| cells.fate_of(side as usize / 2) == Fate::Live;
-        for [a, b] in self.groups().filter(is_compared).flat_map(|group| self.facing_in(group)) {
-            if is_live(a) && is_live(b) {
+        for compared in self.groups().filter_map(|group| self.compared(group, cells)) {
+            for [a, b] in self.facing_in(compared).filter(|pair| pair.iter().all(|&side| is_live(side))) {
                 sets.join(a, b);
             }
         }
         let (set, total) = sets.number();
         (set.chunks_exact(2).map(|s| [s[0], s[1]]).collect(), total)
+    }
+
+    /// The corners of a group that are not set aside, unless a piece that is stands at the edge, too.
+    fn compared<'a>(&self, group: &'a [u32], cells: &SubCells) -> Option<&'a [u32]> {
+        if !cells.has_fates() {
+            return Some(group);
+        }
+        let cell = |corner: &u32| self.cell_of[*corner as usize] as usize;
+        let (compared, aside) = group.split_at(group.partition_point(|c| !cells.fate_of(cell(c)).is_aside()));
+        // Where two triangles that span one piece meet, it does not end: the edge may lie outside of it.
+        let is_spanned = |c: &u32| {
+            let is_back = |d: &u32| self.is_forward[*d as usize] != self.is_forward[*c as usize];
+            aside.iter().any(|d| is_back(d) && cells.owners[cell(d)] == cells.owners[cell(c)])
+        };
+        aside.iter().all(is_spanned).then_some(compared)
     }
 }
 

@@ -68,7 +68,7 @@ pub fn spread(arrangement: &Arrangement, shells: &[[u32; 2]], count: usize) -> R
     let sides = Lists::new(count, &by_shell);
     let mut labels = Labels::default();
     let mut label_of = vec![u32::MAX; count];
-    let mut rays = Rays::new(arrangement);
+    let rays = Rays::new(arrangement);
     let mut stack = Vec::new();
     // The first piece of each component that a ray can start from.
     for cell in 0..shells.len() {

@@ -7,41 +7,61 @@ use crate::arrangement::projection_of_triangle;
 use crate::diag::Diagnostic;
 use crate::geom::Vec3;
 use crate::geom::aabb::{Aabb, Segment};
-use crate::geom::bvh::Bvh;
+use crate::geom::lists::Lists;
 use crate::geom::predicates::{Sign, orient3d};
 
 /// Directions tried before giving up; each fails only if the ray meets an edge exactly.
 const TRIES: u64 = 64;
 
-/// Rays from which on the triangles go into a box tree: most models need one or two, and looking at everything costs less then.
-const TREE_FROM: usize = 4;
-
 /// Casts rays against the leaves.
 pub struct Rays<'a> {
     arrangement: &'a Arrangement<'a>,
+    /// Triangles of each leaf.
+    triangles: Lists,
+    /// Box of each leaf.
+    leaf_boxes: Vec<Aabb>,
     bounds: Aabb,
-    /// Number of rays so far.
-    cast: usize,
-    /// Box tree of all triangles, if it pays.
-    tree: Option<Bvh>,
 }
 
 impl<'a> Rays<'a> {
-    /// Looks at the extent of everything.
+    /// Sorts the triangles by leaf.
     pub fn new(arrangement: &'a Arrangement<'a>) -> Self {
-        Self { arrangement, bounds: Aabb::around(&arrangement.input.points), cast: 0, tree: None }
+        let input = arrangement.input;
+        let mut by_leaf: Vec<(u32, u32)> = Vec::with_capacity(input.triangles.len());
+        let mut leaf_boxes: Vec<Aabb> = Vec::new();
+        for (t, corners) in input.triangles.iter().enumerate() {
+            let own = Aabb::around(corners.map(|v| &input.points[v as usize]));
+            for owner in input.owners_of_triangle(t as u32) {
+                let leaf = owner.leaf.0 as usize;
+                if leaf_boxes.len() <= leaf {
+                    leaf_boxes.resize(leaf + 1, Aabb::EMPTY);
+                }
+                by_leaf.push((owner.leaf.0, t as u32));
+                leaf_boxes[leaf] = leaf_boxes[leaf].union(&own);
+            }
+        }
+        let bounds = leaf_boxes.iter().fold(Aabb::EMPTY, |b, l| b.union(l));
+        Self { arrangement, triangles: Lists::new(leaf_boxes.len(), &by_leaf), leaf_boxes, bounds }
     }
 
     /// The leaves that contain the space in front of a sub-cell; `None` if it has no place to cast a ray from.
-    pub fn label_in_front(&mut self, cell: usize) -> Result<Option<Vec<u32>>, Diagnostic> {
+    pub fn label_in_front(&self, cell: usize) -> Result<Option<Vec<u32>>, Diagnostic> {
         let Some(inside) = self.inner_point(cell) else { return Ok(None) };
         let owners = self.arrangement.cells.owners_of(cell);
         let from = Origin { exact: self.arrangement.points.exact_of(&inside), near: self.arrangement.points.round(&inside).at };
-        let mut label = self.leaves_around(&from)?;
-        // The point lies on its owners.
-        label.retain(|&leaf| owners.iter().all(|o| o.leaf.0 != leaf));
-        label.extend(owners.iter().filter(|o| o.is_flipped).map(|o| o.leaf.0));
-        label.sort_unstable();
+        let margin = self.bounds.diagonal() * 1e-9; // the rounded origin only selects leaves to look at
+        let mut label = Vec::new();
+        for (leaf, bounds) in self.leaf_boxes.iter().enumerate() {
+            let triangles = || self.triangles.of(leaf as u32);
+            match owners.iter().find(|o| o.leaf.0 as usize == leaf) {
+                Some(owner) if owner.is_flipped => label.push(leaf as u32),
+                Some(_) => {}
+                None if bounds.inflated(margin).contains(&from.near) && self.is_inside(&from, triangles())? => {
+                    label.push(leaf as u32)
+                }
+                None => {}
+            }
+        }
         Ok(Some(label))
     }
 
@@ -65,52 +85,27 @@ impl<'a> Rays<'a> {
         })
     }
 
-    /// The leaves that a point is inside of, by the parity of the triangles that a ray meets; anything for those on which it lies.
-    fn leaves_around(&mut self, from: &Origin) -> Result<Vec<u32>, Diagnostic> {
+    /// Whether a point that is not on the leaf is inside it: parity of the triangles that a ray meets.
+    fn is_inside(&self, from: &Origin, triangles: &[u32]) -> Result<bool, Diagnostic> {
         for attempt in 0..TRIES {
-            let target = self.far_point(&from.near, attempt);
-            if let Some(mut passed) = self.passed(from, &target) {
-                passed.sort_unstable();
-                let is_odd = |leaf: &&[u32]| leaf.len() % 2 == 1;
-                return Ok(passed.chunk_by(|a, b| a == b).filter(is_odd).map(|leaf| leaf[0]).collect());
+            let target = self.far_point(attempt);
+            let segment = Segment::new(&from.near, &target);
+            let is_near = |t: &&u32| segment.may_meet(&self.bounds_of(**t), 1.0);
+            let mut near = triangles.iter().filter(is_near);
+            let crossings = near.try_fold(0u32, |n, &t| Some(n + u32::from(self.crosses(from, &target, t)?)));
+            if let Some(n) = crossings {
+                return Ok(n % 2 == 1);
             }
         }
         Err(Diagnostic::internal("ray", "every ray from a point meets an edge").near(from.near))
     }
 
-    /// The leaves whose triangles a ray passes, once for each triangle; `None` if it meets the boundary of one.
-    fn passed(&mut self, from: &Origin, target: &Vec3) -> Option<Vec<u32>> {
-        let segment = Segment::new(&from.near, target);
-        let is_near = |bounds: &Aabb| segment.may_meet(bounds, 1.0);
-        let all = 0..self.arrangement.input.triangles.len() as u32;
-        self.cast += 1;
-        if self.cast == TREE_FROM {
-            self.tree = Some(Bvh::new(all.clone().map(|t| self.bounds_of(t)).collect()));
-        }
-        let (mut passed, mut is_clear) = (Vec::new(), true);
-        let mut look_at = |t: u32| match self.crosses(from, target, t) {
-            Some(true) => passed.extend(self.arrangement.input.owners_of_triangle(t).iter().map(|o| o.leaf.0)),
-            Some(false) => {}
-            None => is_clear = false,
-        };
-        match &self.tree {
-            Some(tree) => tree.search(is_near, look_at),
-            None => all.filter(|&t| is_near(&self.bounds_of(t))).for_each(&mut look_at),
-        }
-        is_clear.then_some(passed)
-    }
-
-    /// A point well outside everything, on about the shortest way out of the box of all, which meets the least; the slant depends
-    /// on the attempt.
-    fn far_point(&self, from: &Vec3, attempt: u64) -> Vec3 {
-        let Aabb { lo, hi } = &self.bounds;
-        let ways = (0..3).flat_map(|k| [(from[k] - lo[k], k, -1.0), (hi[k] - from[k], k, 1.0)]);
-        let (gap, axis, way) = ways.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, 0, 1.0));
+    /// A point well outside everything, in a direction that depends on the attempt.
+    fn far_point(&self, attempt: u64) -> Vec3 {
         // Equidistributed and unrelated to coordinate directions: multiples of three irrational numbers.
-        let slant = |x: f64| 0.5 * (((attempt + 1) as f64 * x).fract() - 0.5);
-        let mut direction = Vec3::new(slant(0.754_877_666_2), slant(0.569_840_290_9), slant(0.819_172_513_4));
-        direction[axis] = way;
-        self.arrangement.points.coarse(&(from + direction * (gap + self.bounds.diagonal())))
+        let f = |x: f64| ((attempt + 1) as f64 * x).fract() - 0.5;
+        let direction = Vec3::new(f(0.754_877_666_2) + 0.1, f(0.569_840_290_9) + 0.2, 0.6 + f(0.819_172_513_4).abs());
+        self.arrangement.points.coarse(&(self.bounds.center() + direction.normalize() * (2.0 * self.bounds.diagonal())))
     }
 
     fn bounds_of(&self, triangle: u32) -> Aabb {
