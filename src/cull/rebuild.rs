@@ -150,7 +150,7 @@ fn merged(pieces: &[(Shape, Fate)], shapes: &Shapes, lines: &Lines) -> Vec<Vec<V
     let mut border: Vec<(Side, u32)> = Vec::new();
     for same in sides.chunk_by(|a, b| key(a) == key(b)) {
         match same {
-            &[(_, a), (_, b)] => drop(sets.join(a, b)),
+            &[(_, a), (_, b)] => sets.join(a, b),
             _ => border.extend(same),
         }
     }
