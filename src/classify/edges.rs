@@ -1,7 +1,7 @@
 //! The sub-cells around every edge, sorted by angle.
 
-use crate::arrangement::Arrangement;
 use crate::arrangement::projection_of_triangle;
+use crate::arrangement::{Arrangement, SubCells};
 use crate::cull::Fate;
 use crate::diag::Diagnostic;
 use crate::geom::Vec3;
@@ -11,7 +11,8 @@ use crate::geom::union_find::UnionFind;
 use std::cmp::Ordering;
 
 /// Directed edges (corners of the sub-cells' loops) grouped by undirected edge; within a group counter-clockwise about the
-/// direction from the smaller to the larger point number.
+/// direction from the smaller to the larger point number. Those of pieces that are set aside come last: they have no angle, since
+/// they are spanned by any triangles.
 pub struct EdgeUses {
     /// Corner numbers.
     pub uses: Vec<u32>,
@@ -84,15 +85,29 @@ impl EdgeUses {
                 }
                 1 => {}
                 _ => {
-                    let mut fans: Vec<Fan> = self.uses[group.clone()].iter().map(|&c| self.fan(arrangement, c)).collect();
-                    sort_fans(arrangement, &mut fans)?;
-                    for (slot, fan) in group.zip(&fans) {
-                        self.uses[slot] = fan.corner;
+                    let compared = group.start..group.start + self.put_aside(arrangement, group);
+                    if compared.len() > 2 {
+                        let mut fans: Vec<Fan> =
+                            self.uses[compared.clone()].iter().map(|&c| self.fan(arrangement, c)).collect();
+                        sort_fans(arrangement, &mut fans)?;
+                        for (slot, fan) in compared.zip(&fans) {
+                            self.uses[slot] = fan.corner;
+                        }
                     }
                 }
             }
         }
         Ok(())
+    }
+
+    /// Moves those of a group that are set aside to its end; the number of the others.
+    fn put_aside(&mut self, arrangement: &Arrangement, group: std::ops::Range<usize>) -> usize {
+        if !arrangement.cells.has_fates() {
+            return group.len();
+        }
+        let is_aside = |c: &u32| arrangement.cells.fate_of(self.cell_of[*c as usize] as usize).is_aside();
+        self.uses[group.clone()].sort_by_key(is_aside);
+        self.uses[group].partition_point(|c| !is_aside(c))
     }
 
     /// Whether a piece need not go on beyond its edge: facets that coincide end it together, or it does not matter.
@@ -123,12 +138,8 @@ impl EdgeUses {
         Fan { corner, is_forward, triangle, line, apex, side, is_live }
     }
 
-    /// Pairs of sides that face each other across an edge: twice the sub-cell, plus one for its back.
-    pub fn facing(&self) -> impl Iterator<Item = [u32; 2]> {
-        self.groups().flat_map(|group| self.facing_in(group))
-    }
-
-    /// The pairs of sides that face each other at one edge, of a group or some of its corners in its order.
+    /// The pairs of sides (twice the sub-cell, plus one for its back) that face each other at one edge, of a group or some of its
+    /// corners in its order.
     pub fn facing_in(&self, group: &[u32]) -> impl Iterator<Item = [u32; 2]> {
         (0..group.len()).map(move |k| {
             let (i, j) = (group[k] as usize, group[(k + 1) % group.len()] as usize);
@@ -139,15 +150,33 @@ impl EdgeUses {
         })
     }
 
-    /// Shells on the front and back of each of `count` sub-cells, and the number of shells. Sides of cells for which
-    /// `is_joined` does not hold are shells of their own.
-    pub fn shells(&self, count: usize, is_joined: impl Fn(usize) -> bool) -> (Vec<[u32; 2]>, usize) {
-        let mut sets = UnionFind::new(2 * count);
-        for pair in self.facing().filter(|p| p.iter().all(|&side| is_joined(side as usize / 2))) {
-            sets.join(pair[0], pair[1]);
+    /// Shells on the front and back of each sub-cell, and the number of shells. Only live pieces share shells, and not at edges
+    /// where a piece that is set aside may stand between them.
+    pub fn shells(&self, cells: &SubCells) -> (Vec<[u32; 2]>, usize) {
+        let mut sets = UnionFind::new(2 * cells.len());
+        let is_live = |side: u32| cells.fate_of(side as usize / 2) == Fate::Live;
+        for compared in self.groups().filter_map(|group| self.compared(group, cells)) {
+            for [a, b] in self.facing_in(compared).filter(|pair| pair.iter().all(|&side| is_live(side))) {
+                sets.join(a, b);
+            }
         }
         let (set, total) = sets.number();
         (set.chunks_exact(2).map(|s| [s[0], s[1]]).collect(), total)
+    }
+
+    /// The corners of a group that are not set aside, unless a piece that is stands at the edge, too.
+    fn compared<'a>(&self, group: &'a [u32], cells: &SubCells) -> Option<&'a [u32]> {
+        if !cells.has_fates() {
+            return Some(group);
+        }
+        let cell = |corner: &u32| self.cell_of[*corner as usize] as usize;
+        let (compared, aside) = group.split_at(group.partition_point(|c| !cells.fate_of(cell(c)).is_aside()));
+        // Where two triangles that span one piece meet, it does not end: the edge may lie outside of it.
+        let is_spanned = |c: &u32| {
+            let is_back = |d: &u32| self.is_forward[*d as usize] != self.is_forward[*c as usize];
+            aside.iter().any(|d| is_back(d) && cells.owners[cell(d)] == cells.owners[cell(c)])
+        };
+        aside.iter().all(is_spanned).then_some(compared)
     }
 }
 

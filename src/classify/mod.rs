@@ -19,15 +19,14 @@ mod raycast;
 pub use edges::EdgeUses;
 
 use crate::arrangement::Arrangement;
-use crate::cull::Fate;
 use crate::diag::Diagnostic;
 
 /// Labels of both sides of every sub-cell.
 pub struct Classified {
     /// Shell on the front (where the normal points) and on the back of every sub-cell.
     pub shells: Vec<[u32; 2]>,
-    /// Label of every shell: index into `labels`; no index for the sides of sub-cells whose [`Fate`] is known, which are shells
-    /// of their own.
+    /// Label of every shell: index into `labels`; no index for the sides of sub-cells whose [`crate::cull::Fate`] is known, which
+    /// are shells of their own.
     pub label_of_shell: Vec<u32>,
     /// Distinct labels: the leaves that contain a place, sorted.
     pub labels: Vec<Vec<u32>>,
@@ -70,8 +69,7 @@ impl Class {
 /// An internal error if an edge is open, two pieces coincide, or labels contradict each other.
 pub fn classify(arrangement: &Arrangement) -> Result<Classified, Diagnostic> {
     let edges = EdgeUses::new(arrangement)?;
-    let is_live = |cell: usize| arrangement.cells.fate_of(cell) == Fate::Live;
-    let (shells, count) = edges.shells(arrangement.cells.len(), is_live);
+    let (shells, count) = edges.shells(&arrangement.cells);
     let (label_of_shell, labels) = labels::spread(arrangement, &shells, count)?;
     Ok(Classified { shells, label_of_shell, labels, edges })
 }

@@ -37,6 +37,7 @@ pub(super) struct Tangled {
 /// The cell of a facet, or a piece of one, on which nothing lies.
 pub(super) fn plain(facet: u32, loops: Vec<Vec<u32>>, body: &Body) -> Result<Draft, Tangled> {
     let triangles = match &loops[..] {
+        _ if body.fate(facet).is_aside() => Ok(spanned(&loops)),
         [walk] => polygon::triangulate(&[walk], &[], &[], &body.points),
         _ => polygon::triangulate(&loops.iter().map(Vec::as_slice).collect::<Vec<_>>(), &[], &[], &body.points),
     };
@@ -44,6 +45,13 @@ pub(super) fn plain(facet: u32, loops: Vec<Vec<u32>>, body: &Body) -> Result<Dra
         Ok(triangles) => Ok(Draft { owners: vec![body.owner(facet, false)], loops, triangles, ..Draft::default() }),
         Err(_) => Err(Tangled { point: loops.first().and_then(|w| w.first()).copied().unwrap_or(0) }),
     }
+}
+
+/// Triangles that span the loops of what is set aside, from one corner to all sides. They may overlap: they serve to sum up
+/// volumes and to count how often a ray passes, for which any that end in the loops do.
+fn spanned(loops: &[Vec<u32>]) -> Vec<[u32; 3]> {
+    let Some(&apex) = loops.first().and_then(|w| w.first()) else { return Vec::new() };
+    sides(loops).filter(|side| !side.contains(&apex)).map(|[a, b]| [apex, a, b]).collect()
 }
 
 /// The same for a facet of one triangle.

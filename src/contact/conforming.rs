@@ -8,8 +8,8 @@ use crate::ids::LeafId;
 /// All leaves over common vertices.
 ///
 /// Invariants: each leaf is closed over its own cells (every directed edge is matched within the leaf); the triangles of a cell
-/// tile it; cells that coincide are one cell with several owners. Cells of different leaves may still cross transversally, which
-/// is the arrangement's business.
+/// tile it, or merely span it where it is set aside; cells that coincide are one cell with several owners. Cells of different
+/// leaves may still cross transversally, which is the arrangement's business.
 #[derive(Clone, Debug, Default)]
 pub struct Conforming {
     /// Positions; cells refer to them by index.

@@ -7,12 +7,14 @@
 //! evaluated with three values ([`inside`]): a leaf contains the box, or does not, or its boundary passes through and nothing is
 //! known. Where all parts' claims are known nevertheless, the box is one volume, and no facet in it can reach the result. Where they
 //! are known on both sides of a plane, its piece in the box is one facet of the result, whatever else lies in it. Facets are cut
-//! along such boxes ([`pieces`]), so that what is set aside is whole pieces; a leaf stays closed, since all pieces are kept.
+//! along such boxes ([`pieces`]), so that what is set aside is whole pieces; a leaf stays closed, since all pieces are kept, those
+//! of one facet that are set aside as few polygons ([`rebuild`]).
 //!
 //! Boxes cost time too: only piles of leaves are worth it ([`is_worthwhile`]).
 
 mod inside;
 mod pieces;
+mod rebuild;
 mod zones;
 
 use crate::geom::aabb::Aabb;
@@ -25,7 +27,7 @@ use crate::scene::model::{Policy, Scene};
 const DEEP: usize = 32;
 
 /// What may become of a facet.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Default)]
 pub enum Fate {
     /// Anything: it has to be intersected.
     #[default]
@@ -76,7 +78,7 @@ pub fn cull(scene: &Scene, solids: &[Solid], tolerance: f64) -> Option<Culled> {
         return None;
     }
     let settled = zones::settle(scene, solids, tolerance);
-    Some(pieces::rebuild(solids, settled))
+    Some(rebuild::rebuild(solids, settled))
 }
 
 /// Whether many leaves lie over one place.

@@ -1,12 +1,12 @@
-//! Convex facets that are cut by planes, and the solids that their pieces make.
+//! Convex facets that are cut by planes.
 
-use super::{Culled, Fate, Piece};
+use super::Fate;
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
 use crate::geom::hash::IndexMap;
 use crate::geom::polygon::vector_area;
 use crate::geom::predicates::{Projection, orient2d};
-use crate::primitive::solid::{Freedom, Solid, SolidFacet, SolidVertex};
+use crate::primitive::solid::Solid;
 
 /// A facet or a piece of one.
 #[derive(Clone, Debug)]
@@ -16,8 +16,15 @@ pub(super) struct Shape {
     /// Outer loop, as points.
     pub corners: Vec<u32>,
     /// For each corner the line of the edge that begins there.
-    lines: Vec<u32>,
+    pub lines: Vec<u32>,
     pub area: f64,
+}
+
+/// What a plane makes of a shape.
+pub(super) enum Halves {
+    Below(Shape),
+    Above(Shape),
+    Both { whole: Shape, parts: [Shape; 2] },
 }
 
 /// All points and lines of shapes.
@@ -25,7 +32,7 @@ pub(super) struct Shapes {
     /// Vertices of all leaves, then those made by cuts.
     pub points: Vec<Vec3>,
     /// First point of every leaf.
-    first: Vec<u32>,
+    pub first: Vec<u32>,
     /// First facet of every leaf.
     first_facet: Vec<u32>,
     /// Unit normal of every facet.
@@ -33,15 +40,15 @@ pub(super) struct Shapes {
     /// First corner of every facet.
     origins: Vec<u32>,
     /// Points that cuts made on each line: an edge of a leaf, or where a plane cuts a facet.
-    on_line: Vec<Vec<u32>>,
+    pub on_line: Vec<Vec<u32>>,
     /// Points by line, axis and place of the plane.
     made: IndexMap<(u32, usize, u64), u32>,
 }
 
 /// All pieces with their fates.
 pub(super) struct Settled {
-    shapes: Shapes,
-    pieces: Vec<(Shape, Fate)>,
+    pub shapes: Shapes,
+    pub pieces: Vec<(Shape, Fate)>,
 }
 
 impl Shapes {
@@ -100,13 +107,12 @@ impl Shapes {
         (self.points[self.origins[facet] as usize], self.normals[facet])
     }
 
-    /// The parts of a convex shape below and above a plane across an axis, on which no corner lies.
-    pub fn cut(&mut self, shape: &Shape, axis: usize, at: f64) -> [Option<Shape>; 2] {
+    /// A convex shape below or above a plane across an axis, on which no corner lies, or its parts there.
+    pub fn cut(&mut self, shape: Shape, axis: usize, at: f64) -> Halves {
         let is_above = |v: u32| self.points[v as usize][axis] > at;
         let sides: Vec<bool> = shape.corners.iter().map(|&v| is_above(v)).collect();
         if sides.iter().all(|&s| s == sides[0]) {
-            let whole = Some(shape.clone());
-            return if sides[0] { [None, whole] } else { [whole, None] };
+            return if sides[0] { Halves::Above(shape) } else { Halves::Below(shape) };
         }
         let mut parts = [(Vec::new(), Vec::new()), (Vec::new(), Vec::new())];
         let across = self.on_line.len() as u32;
@@ -125,10 +131,11 @@ impl Shapes {
                 parts[next].1.push(shape.lines[k]);
             }
         }
-        parts.map(|(corners, lines)| {
+        let parts = parts.map(|(corners, lines)| {
             let area = vector_area([&corners[..]], &self.points).norm();
-            Some(Shape { leaf: shape.leaf, facet: shape.facet, corners, lines, area })
-        })
+            Shape { leaf: shape.leaf, facet: shape.facet, corners, lines, area }
+        });
+        Halves::Both { whole: shape, parts }
     }
 
     /// Where a plane cuts an edge on a line; all facets at it get the same point.
@@ -149,57 +156,5 @@ impl Shapes {
     /// The result.
     pub fn settled(self, pieces: Vec<(Shape, Fate)>) -> Settled {
         Settled { shapes: self, pieces }
-    }
-}
-
-/// The solids of the pieces: each closed as before, since a point that one piece has on an edge is one of its neighbour too.
-pub(super) fn rebuild(solids: &[Solid], settled: Settled) -> Culled {
-    let Settled { mut shapes, mut pieces } = settled;
-    pieces.sort_by_key(|(shape, _)| (shape.leaf, shape.facet));
-    let mut is_used = vec![false; shapes.points.len()];
-    pieces.iter().flat_map(|p| &p.0.corners).for_each(|&v| is_used[v as usize] = true);
-    shapes.on_line.iter_mut().for_each(|points| points.retain(|&v| is_used[v as usize]));
-    let mut out = Culled { solids: Vec::with_capacity(solids.len()), pieces: Vec::with_capacity(solids.len()) };
-    for (leaf, of_leaf) in pieces.chunk_by(|a, b| a.0.leaf == b.0.leaf).enumerate() {
-        let (old, first) = (&solids[leaf], shapes.first[leaf]);
-        let mut solid = Solid { vertices: old.vertices.clone(), facets: Vec::new(), surfaces: old.surfaces.clone() };
-        let mut number: IndexMap<u32, u32> = (0..old.vertices.len() as u32).map(|v| (first + v, v)).collect();
-        let mut own = |v: u32| {
-            *number.entry(v).or_insert_with(|| {
-                solid.vertices.push(SolidVertex { point: shapes.points[v as usize], freedom: Freedom::Fixed });
-                solid.vertices.len() as u32 - 1
-            })
-        };
-        for (shape, _) in of_leaf {
-            let source = &old.facets[shape.facet as usize];
-            let mut loops = vec![shapes.full(shape).into_iter().map(&mut own).collect::<Vec<u32>>()];
-            loops.extend(source.loops.iter().skip(1).cloned());
-            solid.facets.push(SolidFacet { loops, surface: source.surface });
-        }
-        out.solids.push(solid);
-        out.pieces.push(of_leaf.iter().map(|(shape, fate)| Piece { facet: shape.facet, fate: *fate }).collect());
-    }
-    out
-}
-
-impl Shapes {
-    /// The corners of a shape with all points that its neighbours have on its edges.
-    fn full(&self, shape: &Shape) -> Vec<u32> {
-        let mut out = Vec::with_capacity(shape.corners.len());
-        for (k, &a) in shape.corners.iter().enumerate() {
-            out.push(a);
-            let b = shape.corners[(k + 1) % shape.corners.len()];
-            let [p, q] = [a, b].map(|v| self.points[v as usize]);
-            let along = (q - p) / (q - p).norm_squared();
-            let mut inner: Vec<(f64, u32)> = self.on_line[shape.lines[k] as usize]
-                .iter()
-                .filter(|&&v| v != a && v != b)
-                .map(|&v| ((self.points[v as usize] - p).dot(&along), v))
-                .filter(|i| i.0 > 0.0 && i.0 < 1.0)
-                .collect();
-            inner.sort_by(|x, y| x.0.total_cmp(&y.0));
-            out.extend(inner.into_iter().map(|i| i.1));
-        }
-        out
     }
 }

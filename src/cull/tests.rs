@@ -2,6 +2,8 @@
 
 use super::*;
 use crate::evaluate::evaluate;
+use crate::geom::Vec3;
+use crate::geom::polygon::vector_area;
 use crate::plc::measure::measure;
 use crate::report::timing::Timings;
 use crate::scene::{self, Limits};
@@ -36,8 +38,18 @@ fn cut_solids_are_closed_and_most_pieces_are_set_aside() {
         assert!(edges.iter().all(|&[a, b]| edges.binary_search(&[b, a]).is_ok()));
     }
     let all: Vec<Fate> = culled.pieces.iter().flatten().map(|p| p.fate).collect();
-    let aside = all.iter().filter(|f| f.is_aside()).count();
-    assert!(aside > all.len() / 2, "{aside} of {}", all.len());
+    let area_of = |is_counted: fn(Fate) -> bool| -> f64 {
+        let of_solid = |(solid, pieces): (&Solid, &Vec<Piece>)| {
+            let points: Vec<Vec3> = solid.vertices.iter().map(|v| v.point).collect();
+            let facets = solid.facets.iter().zip(pieces).filter(|f| is_counted(f.1.fate));
+            facets.map(|(f, _)| vector_area(f.loops.iter().map(Vec::as_slice), &points).norm()).sum::<f64>()
+        };
+        culled.solids.iter().zip(&culled.pieces).map(of_solid).sum()
+    };
+    let (aside, whole) = (area_of(Fate::is_aside), area_of(|_| true));
+    assert!((whole - SQUARES as f64 * 16.0).abs() < 1e-9 && aside > 0.8 * whole, "{aside} of {whole}");
+    // What is set aside is merged.
+    assert!(all.iter().filter(|f| f.is_aside()).count() < 3 * 6 * SQUARES);
     assert!(all.contains(&Fate::Face([None, Some(PartId(0))])));
 }
 

@@ -2,7 +2,7 @@
 
 use super::Fate;
 use super::inside::{Status, contains, owner};
-use super::pieces::{Settled, Shape, Shapes};
+use super::pieces::{Halves, Settled, Shape, Shapes};
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
 use crate::ids::LeafId;
@@ -31,6 +31,13 @@ struct Zone {
     /// Boxes of facets that cannot be cut.
     uncut: Vec<Aabb>,
     depth: u32,
+}
+
+/// Where the pieces of a facet are after its box was halved; with what to put in their place if they have one fate.
+enum Source {
+    Below,
+    Above,
+    Both(Shape),
 }
 
 /// Pieces of one facet with their fates.
@@ -172,16 +179,26 @@ impl Solver<'_> {
 
     /// Solves both halves; pieces with one fate are one again.
     fn halve(&mut self, zone: Zone, facets: Vec<Shape>, axis: usize, at: f64) -> Vec<Fated> {
-        let (mut halves, mut parts) = ([Vec::new(), Vec::new()], Vec::with_capacity(facets.len()));
-        for facet in &facets {
-            let pieces = self.shapes.cut(facet, axis, at);
-            parts.push(pieces.each_ref().map(Option::is_some));
-            for (half, piece) in halves.iter_mut().zip(pieces) {
-                half.extend(piece);
-            }
+        let (mut below, mut above) = (Vec::new(), Vec::new());
+        let mut sources: Vec<Source> = Vec::with_capacity(facets.len());
+        for facet in facets {
+            sources.push(match self.shapes.cut(facet, axis, at) {
+                Halves::Below(facet) => {
+                    below.push(facet);
+                    Source::Below
+                }
+                Halves::Above(facet) => {
+                    above.push(facet);
+                    Source::Above
+                }
+                Halves::Both { whole, parts: [lower, upper] } => {
+                    below.push(lower);
+                    above.push(upper);
+                    Source::Both(whole)
+                }
+            });
         }
-        let [below, above] = halves;
-        let mut solved = [(false, below), (true, above)].map(|(is_above, pieces)| {
+        let [mut below, mut above] = [(false, below), (true, above)].map(|(is_above, pieces)| {
             let mut bounds = zone.bounds;
             if is_above {
                 bounds.lo[axis] = at
@@ -192,14 +209,15 @@ impl Solver<'_> {
             let part = Zone { bounds, leaves: zone.leaves.clone(), uncut, depth: zone.depth + 1 };
             self.solve(part, pieces).into_iter()
         });
-        let mut join = |facet: Shape, is_in: [bool; 2]| {
-            let [below, above] = [0, 1].map(|k| if is_in[k] { solved[k].next() } else { None }.unwrap_or_default());
-            match (&below[..], &above[..]) {
-                ([(_, a)], [(_, b)]) if a == b => vec![(facet, *a)],
-                _ => [below, above].concat(),
-            }
+        let mut join = |source| match source {
+            Source::Below => below.next().unwrap_or_default(),
+            Source::Above => above.next().unwrap_or_default(),
+            Source::Both(whole) => match [&mut below, &mut above].map(|half| half.next().unwrap_or_default()) {
+                [lower, upper] if lower.len() == 1 && upper.len() == 1 && lower[0].1 == upper[0].1 => vec![(whole, lower[0].1)],
+                [lower, upper] => [lower, upper].concat(),
+            },
         };
-        facets.into_iter().zip(parts).map(|(facet, is_in)| join(facet, is_in)).collect()
+        sources.into_iter().map(&mut join).collect()
     }
 }
 

@@ -11,10 +11,10 @@ use crate::diag::{Diagnostic, short};
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
 use crate::geom::embedding;
+use crate::geom::hash::IndexMap;
 use crate::geom::polygon::{triangulate, vector_area};
 use crate::io::{self, PolygonMesh, SurfaceFormat};
 use crate::scene::model::Leaf;
-use std::collections::HashMap;
 use std::path::Path;
 
 /// Welding distance of STL files, as a fraction of their size: their numbers are single precision.
@@ -128,8 +128,8 @@ impl Surface {
 fn welded(mesh: &PolygonMesh, points: &[Vec3], tolerance: f64) -> Surface {
     let reach = tolerance * Aabb::around(points).diagonal();
     let mut kept: Vec<Vec3> = Vec::new();
-    let mut exact: HashMap<[u64; 3], u32> = HashMap::new();
-    let mut near: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
+    let mut exact: IndexMap<[u64; 3], u32> = IndexMap::with_capacity_and_hasher(points.len(), Default::default());
+    let mut near: IndexMap<[i64; 3], Vec<u32>> = IndexMap::default();
     let mut number = vec![u32::MAX; points.len()];
     for (k, p) in points.iter().enumerate() {
         let bits: [u64; 3] = std::array::from_fn(|i| (p[i] + 0.0).to_bits());

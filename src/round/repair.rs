@@ -34,7 +34,7 @@ pub fn cut_again(complex: &Complex, reach: f64) -> Result<Draft, Diagnostic> {
     let input = soup(complex);
     let arrangement = arrangement::arrange(&input);
     let edges = EdgeUses::new(&arrangement)?;
-    let (shells, count) = edges.shells(arrangement.cells.len(), |_| true);
+    let (shells, count) = edges.shells(&arrangement.cells);
     let region_of_shell = regions(complex, &arrangement, &shells, count)?;
     let mut sides: Vec<[RegionId; 2]> = shells.iter().map(|s| s.map(|s| region_of_shell[s as usize])).collect();
     join_touching(complex, &mut sides);
