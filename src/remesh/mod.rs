@@ -17,11 +17,12 @@
 //! 6. Polish (`polish`), worst triangle first: the one of swap, collapse and relocation (`ring`: a pattern search) that raises the
 //!    smallest angle around most.
 //! 7. Thin out: collapse what shape and deviation do not need; split what still deviates too far; polish.
-//! 8. Neighbouring facets almost in one plane are brought into it, or turned clear of it, and become polygons (`bends`).
-//! 9. Planar facets get new triangulations, and an exact test proves that nothing meets anything (`verify`). Surfaces at fault
-//!    are remeshed again with half the deviation, then without their facets there, as where needles are left; if nothing helps, the
-//!    complex stays as evaluated.
-//!    Polygons of which TetGen would die are cut (`straight`).
+//! 8. Obtuse triangles that are left: trials that begin with a step back, kept if the angles gain (`acute`).
+//! 9. Neighbouring facets almost in one plane are brought into it, or turned clear of it, and become polygons (`bends`).
+//! 10. Planar facets get new triangulations, and an exact test proves that nothing meets anything (`verify`). Surfaces at fault
+//!     are remeshed again with half the deviation, then without their facets there, as where needles are left; if nothing helps, the
+//!     complex stays as evaluated.
+//!     Polygons of which TetGen would die are cut (`straight`).
 //!
 //! Every operation (`operators`) is a short sequence of Euler operators of the kernel (`brep::local`), planned and judged before
 //! it is applied: nothing flips against the support, no deviation grows past the bound, planar facets beside stay simple
@@ -191,7 +192,7 @@ impl Workpiece {
         let size = Aabb::around(self.brep.vertices.iter().map(|v| &v.point)).diagonal();
         let treated = self.chosen();
         self.bound = match options.max_deviation {
-            Some(d) => Bound::Fixed(d),
+            Some(d) => Bound::given(d),
             None => self.present_bound(&treated, size),
         };
         let limits = Limits::of(self, size, parts);
