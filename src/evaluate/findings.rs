@@ -162,11 +162,10 @@ pub fn boundaries(scene: &Scene, arrangement: &Arrangement, selected: &Selected)
             found.push(Diagnostic::warning("empty-boundary", message).at(boundary.span).hint(hint));
         } else if !(claim.lost.is_empty() || is_outer && claim.has_facets) {
             let names = claim.lost.keys().map(|&w| format!("`{}`", scene.boundaries[w].name)).collect::<Vec<_>>();
-            let left = if claim.has_facets { "has the others" } else { "has none left" };
+            let left = if claim.has_facets { "keeps the rest" } else { "keeps none" };
             let message = format!(
-                "facets of the boundary `{name}` of part `{part}` are named by {} too, which is listed earlier and has them; \
-                 `{name}` {left}",
-                names.join(" and ")
+                "facets of the boundary `{name}` of part `{part}` have the name {} already, which is listed earlier; `{name}` {left}",
+                names.join(" or ")
             );
             let warning = Diagnostic::warning("taken-boundary", message).at(boundary.span);
             let places = claim.lost.values().map(|&cell| place(cell));

@@ -42,9 +42,7 @@ pub fn area_of(facet: &PlcFacet, points: &[Vec3]) -> Result<Area, PolygonError> 
         let lone: Vec<u32> = narrow.iter().filter(|p| p.len() == 1).map(|p| p[0]).collect();
         return triangulate(&[outer], &chains, &lone, points).map(|triangles| Area { triangles, ..Area::default() });
     }
-    let areas = wide.iter().map(|w| vector_area([*w], points));
-    let widest = areas.max_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared())).unwrap_or_default();
-    let normal = if widest == Vec3::zeros() { normal_across(facet, points) } else { widest };
+    let normal = normal_of(facet, points);
     if normal == Vec3::zeros() {
         return Err(PolygonError::Flat);
     }
@@ -56,6 +54,13 @@ pub fn is_once_each(polygon: &[u32]) -> bool {
     let mut sorted = polygon.to_vec();
     sorted.sort_unstable();
     sorted.windows(2).all(|w| w[0] != w[1])
+}
+
+/// Normal of a facet, of any length: that of its largest polygon; zero if all its vertices are on a line.
+pub fn normal_of(facet: &PlcFacet, points: &[Vec3]) -> Vec3 {
+    let areas = facet.polygons.iter().map(|p| vector_area([&p[..]], points));
+    let widest = areas.max_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared())).unwrap_or_default();
+    if widest == Vec3::zeros() { normal_across(facet, points) } else { widest }
 }
 
 /// Normal of the plane through three vertices that are far apart: for facets whose segments are listed one by one.

@@ -10,7 +10,7 @@
 //! were split, and 21 tetrahedra stayed above ratio 2.0.
 
 use super::operators::Effect;
-use super::quality::cosine_of_degrees;
+use super::quality::{RIGHT, cosine_of_degrees};
 use super::ring::Ring;
 use super::sizing::Limits;
 use super::straight::is_straight;
@@ -29,9 +29,9 @@ const MERGED_SINE: f64 = 2.1e-3;
 /// circle); not on fitted surfaces, where most bends are as weak. The more, the fewer edges TetGen has to keep: with 0.15,
 /// transformer3 wholly remeshed needs 2 % more tetrahedra.
 const NEAR_SINE: f64 = 0.22;
-/// Harm of a bend that TetGen might merge, of any edge that an obtuse angle faces, and of a bend that a wide angle faces, where other
-/// bends count 1: an edge that an obtuse angle faces is encroached upon by its corner, and TetGen splits it and some fifteen around.
-/// (With all alike, a tenth more tetrahedra.)
+/// Harm of a bend that TetGen might merge, of any edge that an obtuse angle faces, and of a bend that a wide angle faces, where
+/// other bends count 1: an edge that an obtuse angle faces is encroached upon by its corner, and TetGen splits it and some fifteen
+/// around.
 const MERGED_HARM: usize = 100;
 const OBTUSE_HARM: usize = 10;
 const WIDE_HARM: usize = 4;
@@ -94,7 +94,7 @@ impl Bend {
 }
 
 /// A vertex elsewhere for once.
-struct Trial {
+struct Shift {
     vertex: VertexId,
     to: Vec3,
     /// What the normals of the facets there would be.
@@ -131,13 +131,14 @@ impl Workpiece {
         }
     }
 
-    /// Whether all corners of some facets lie within `flat` of one plane.
+    /// Whether all corners of some facets lie within half of `flat` of one plane: `gsm check` fits its plane by least squares, from
+    /// which one of them may be twice as far.
     fn are_in_one_plane(&self, facets: &[FacetId], flat: f64) -> bool {
         let normal = facets.iter().map(|&f| self.area(f)).sum::<Vec3>().normalize();
         let fins = facets.iter().flat_map(|&f| self.brep.topology.fins_of_facet(f));
         let heights = fins.flat_map(|fin| self.brep.topology.fin_ends(fin)).map(|v| normal.dot(&self.point(v)));
         let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
-        high - low <= 2.0 * flat
+        high - low <= flat
     }
 
     /// Whether one of the facets at an edge goes straight on into the other at an end of the edge.
@@ -267,22 +268,22 @@ impl Bends<'_> {
     }
 
     /// How bad an edge is for TetGen: for its bend, and for the angles that face it.
-    fn harm(&self, edge: EdgeId, trial: Option<&Trial>) -> usize {
-        match self.bend(edge, trial) {
+    fn harm(&self, edge: EdgeId, shift: Option<&Shift>) -> usize {
+        match self.bend(edge, shift) {
             Bend::None => 0,
             Bend::Merged => MERGED_HARM,
-            _ if self.is_faced(edge, 0.0, trial) => OBTUSE_HARM,
-            Bend::Near if self.is_faced(edge, WIDE_COSINE, trial) => WIDE_HARM,
+            _ if self.is_faced(edge, RIGHT, shift) => OBTUSE_HARM,
+            Bend::Near if self.is_faced(edge, WIDE_COSINE, shift) => WIDE_HARM,
             Bend::Near => 1,
             Bend::Full => 0,
         }
     }
 
-    fn bend(&self, edge: EdgeId, trial: Option<&Trial>) -> Bend {
+    fn bend(&self, edge: EdgeId, shift: Option<&Shift>) -> Bend {
         let topology = &self.work.brep.topology;
         let mut facets = topology.facets_around(edge);
         let (Some(f), Some(g), None) = (facets.next(), facets.next(), facets.next()) else { return Bend::Full };
-        let (m, n) = (self.normal(f, trial), self.normal(g, trial));
+        let (m, n) = (self.normal(f, shift), self.normal(g, shift));
         let square = m.cross(&n).norm_squared();
         if square > NEAR_SINE * NEAR_SINE || self.work.brep.facets[f].marker != self.work.brep.facets[g].marker {
             return Bend::Full;
@@ -291,42 +292,42 @@ impl Bends<'_> {
             let is_rough = self.work.support(f).is_some_and(Support::is_fitted);
             return if is_rough { Bend::Full } else { Bend::Near };
         }
-        let start = self.point(topology.ends(edge)[0], trial);
+        let start = self.point(topology.ends(edge)[0], shift);
         let is_off = |facet: FacetId, normal: &Vec3| {
             let mut corners = topology.fins_of_facet(facet).map(|fin| topology.fin_ends(fin)[0]);
-            corners.any(|v| normal.dot(&(self.point(v, trial) - start)).abs() > self.flat)
+            corners.any(|v| normal.dot(&(self.point(v, shift) - start)).abs() > self.flat)
         };
         if is_off(f, &n) || is_off(g, &m) { Bend::Merged } else { Bend::None }
     }
 
-    /// Whether an angle wider than that of a cosine, of at most a right angle, faces an edge.
-    fn is_faced(&self, edge: EdgeId, cosine: f64, trial: Option<&Trial>) -> bool {
-        let [a, b] = self.work.brep.topology.ends(edge).map(|v| self.point(v, trial));
+    /// Whether an angle wider than that of a cosine faces an edge.
+    fn is_faced(&self, edge: EdgeId, cosine: f64, shift: Option<&Shift>) -> bool {
+        let [a, b] = self.work.brep.topology.ends(edge).map(|v| self.point(v, shift));
         self.work.apexes(edge).any(|apex| {
-            let apex = self.point(apex, trial);
+            let apex = self.point(apex, shift);
             let (u, v) = (a - apex, b - apex);
             let along = u.dot(&v);
-            along < 0.0 || along * along < cosine * cosine * u.norm_squared() * v.norm_squared()
+            along * along.abs() < cosine * cosine.abs() * u.norm_squared() * v.norm_squared()
         })
     }
 
-    fn point(&self, vertex: VertexId, trial: Option<&Trial>) -> Vec3 {
-        trial.filter(|t| t.vertex == vertex).map_or_else(|| self.work.point(vertex), |t| t.to)
+    fn point(&self, vertex: VertexId, shift: Option<&Shift>) -> Vec3 {
+        shift.filter(|t| t.vertex == vertex).map_or_else(|| self.work.point(vertex), |t| t.to)
     }
 
-    fn normal(&self, facet: FacetId, trial: Option<&Trial>) -> Vec3 {
-        let tried = trial.and_then(|t| t.normals.iter().find(|n| n.0 == facet));
+    fn normal(&self, facet: FacetId, shift: Option<&Shift>) -> Vec3 {
+        let tried = shift.and_then(|t| t.normals.iter().find(|n| n.0 == facet));
         tried.map_or(self.normals[facet.index()], |n| n.1)
     }
 
     /// A vertex at another place. The planes of polygons stay.
-    fn trial(&self, vertex: VertexId, to: Vec3) -> Trial {
+    fn shift(&self, vertex: VertexId, to: Vec3) -> Shift {
         let triangles = self.work.brep.topology.facets_at(vertex).filter_map(|f| Some((f, self.work.corners(f)?)));
         let normals = triangles.map(|(facet, corners)| {
             let [a, b, c] = corners.map(|v| if v == vertex { to } else { self.work.point(v) });
             (facet, (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_else(Vec3::zeros))
         });
-        Trial { vertex, to, normals: normals.collect() }
+        Shift { vertex, to, normals: normals.collect() }
     }
 
     /// Makes the best move of a vertex of the facets at a bend that is too weak, and says of which.
@@ -346,12 +347,12 @@ impl Bends<'_> {
                 best = best.or_else(|| self.best_move(edge, &vertices, keeps, |v| self.work.slides(v, *step)));
             }
         }
-        let trial = best?;
-        self.work.relocate(trial.vertex, trial.to);
-        for (facet, normal) in trial.normals {
+        let shift = best?;
+        self.work.relocate(shift.vertex, shift.to);
+        for (facet, normal) in shift.normals {
             self.normals[facet.index()] = normal;
         }
-        Some(trial.vertex)
+        Some(shift.vertex)
     }
 
     /// The best of the places that some vertices may go to, and by which the bend at an edge does less harm.
@@ -361,34 +362,34 @@ impl Bends<'_> {
         vertices: &[VertexId],
         keeps: f64,
         places: impl Fn(VertexId) -> Vec<Vec3>,
-    ) -> Option<Trial> {
-        let mut best: Option<(Rank, Trial)> = None;
+    ) -> Option<Shift> {
+        let mut best: Option<(Rank, Shift)> = None;
         let here = self.harm(edge, None);
         for &vertex in vertices {
-            let trials = places(vertex).into_iter().map(|to| self.trial(vertex, to));
-            let trials: Vec<Trial> = trials.filter(|t| self.harm(edge, Some(t)) < here).collect();
-            if trials.is_empty() {
+            let shifts = places(vertex).into_iter().map(|to| self.shift(vertex, to));
+            let shifts: Vec<Shift> = shifts.filter(|t| self.harm(edge, Some(t)) < here).collect();
+            if shifts.is_empty() {
                 continue;
             }
             // What a place mends first: it costs a fraction of a look at the supports.
             let edges = self.work.edges_of_star(vertex);
-            let harm = |trial: Option<&Trial>| -> usize { edges.iter().map(|&e| self.harm(e, trial)).sum() };
+            let harm = |shift: Option<&Shift>| -> usize { edges.iter().map(|&e| self.harm(e, shift)).sum() };
             let before = harm(None);
-            let mended = trials.into_iter().map(|t| (before.saturating_sub(harm(Some(&t))), t));
-            let mut trials: Vec<(usize, Trial)> = mended.filter(|p| p.0 > 0).collect();
-            self.keep_within_reach(vertex, &mut trials);
-            if trials.is_empty() {
+            let mended = shifts.into_iter().map(|t| (before.saturating_sub(harm(Some(&t))), t));
+            let mut shifts: Vec<(usize, Shift)> = mended.filter(|p| p.0 > 0).collect();
+            self.keep_within_reach(vertex, &mut shifts);
+            if shifts.is_empty() {
                 continue;
             }
             let ring = self.work.ring(vertex);
-            for (mended, trial) in trials {
+            for (mended, shift) in shifts {
                 if best.as_ref().is_some_and(|((most, _), _)| Reverse(mended) > *most) {
                     continue;
                 }
-                let Some(after) = self.work.bent(vertex, &ring, &trial.to, keeps) else { continue };
+                let Some(after) = self.work.bent(vertex, &ring, &shift.to, keeps) else { continue };
                 let rank = (Reverse(mended), after.cosine);
                 if best.as_ref().is_none_or(|b| rank < b.0) {
-                    best = Some((rank, trial));
+                    best = Some((rank, shift));
                 }
             }
         }
@@ -396,13 +397,13 @@ impl Bends<'_> {
     }
 
     /// Drops the places where a vertex deviates by more than its triangles may, or does not keep clear of what is across a gap.
-    fn keep_within_reach(&self, vertex: VertexId, trials: &mut Vec<(usize, Trial)>) {
+    fn keep_within_reach(&self, vertex: VertexId, shifts: &mut Vec<(usize, Shift)>) {
         let Place::Surface(surface) = self.work.place(vertex) else { return };
         let Some(support) = self.work.supports[surface].as_deref() else { return };
         let star = self.work.star(vertex);
-        let Some(&facet) = star.first().filter(|_| !trials.is_empty()) else { return };
+        let Some(&facet) = star.first().filter(|_| !shifts.is_empty()) else { return };
         let allowed = self.work.allowed(self.work.worst(&star));
-        trials.retain(|(_, Trial { to, .. })| {
+        shifts.retain(|(_, Shift { to, .. })| {
             self.work.is_allowed_at(support, facet, to, allowed)
                 && self.limits.is_clear(to, support.distance(to) / GAP_SHARE, surface)
         });

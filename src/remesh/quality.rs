@@ -6,15 +6,15 @@ use crate::geom::Vec3;
 const OBTUSE_BASE: f64 = 0.74;
 
 /// Cosine of the largest angle of a triangle from which it has a flaw, 88.9 degrees: what is near 90 passes it by the next move.
-const WIDE: f64 = 0.02;
-/// And of the smallest one, 39 degrees.
+const FLAWED: f64 = 0.02;
+/// Cosine of the smallest angle below which it has one, 39 degrees.
 const SMALL: f64 = 0.777;
 /// The flaw of an angle just wide enough: one flaw a little larger is better than two. And that of a small angle against that of a
 /// wide one, by their cosines: TetGen splits edges for wide ones only, but users look at small ones.
 const ANY_FLAW: f64 = 0.025;
 const SMALL_WEIGHT: f64 = 10.0;
 /// Cosine of the angle up to which one is right, not obtuse: halves of rectangles are fine (90.06 degrees).
-const RIGHT: f64 = -1e-3;
+pub(super) const RIGHT: f64 = -1e-3;
 
 /// Shape of a triangle as the cosine of its smallest angle: smaller is better, 0.5 is equilateral, 1 is degenerate.
 ///
@@ -34,9 +34,9 @@ pub fn sharpest_cosine([a, b, c]: [&Vec3; 3], obtuse: f64) -> f64 {
     least.max(OBTUSE_BASE - obtuse * greatest)
 }
 
-/// What [`sharpest_cosine`] gives for an angle wide enough to be a flaw.
-pub fn of_wide(obtuse: f64) -> f64 {
-    OBTUSE_BASE - obtuse * WIDE
+/// What [`sharpest_cosine`] gives for an angle just wide enough to be a flaw.
+pub fn of_flawed(obtuse: f64) -> f64 {
+    OBTUSE_BASE - obtuse * FLAWED
 }
 
 /// How far a triangle is from having no obtuse and no small angle; 0 if it has neither.
@@ -44,7 +44,7 @@ pub fn flaw([a, b, c]: &[Vec3; 3]) -> f64 {
     let [short, middle, long] = sorted_squares([a, b, c]);
     let greatest = (short + middle - long) * 0.5 / (short * middle).sqrt();
     let least = (middle + long - short) * 0.5 / (middle * long).sqrt();
-    let wide = if greatest < WIDE { ANY_FLAW + WIDE - greatest } else { 0.0 };
+    let wide = if greatest < FLAWED { ANY_FLAW + FLAWED - greatest } else { 0.0 };
     wide + SMALL_WEIGHT * (least - SMALL).max(0.0)
 }
 

@@ -47,8 +47,9 @@ const THIN_BELOW: f64 = 1.1;
 const THIN_LONGEST: f64 = 1.5;
 const THIN_ROUNDS: usize = 3;
 
-/// Weights of obtuse angles in polishing, at first and in the end: TetGen cuts edges that see an obtuse angle. Without them in the end,
-/// the least angles are a degree larger, and a tenth more tetrahedra are needed.
+/// Weights of obtuse angles: in polishing and where obtuse triangles are mended at last; in the last polish and for bends. TetGen cuts
+/// edges that see an obtuse angle. Without them in the last polish, the least angles are a degree larger, and a tenth more tetrahedra
+/// are needed.
 const OBTUSE: [f64; 2] = [0.5, 0.25];
 
 /// Operations per edge at most in one pass: passes end long before, this bounds them on any input.

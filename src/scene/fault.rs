@@ -104,7 +104,7 @@ pub(super) fn with_names<'n>(
         _ => diagnostic,
     };
     match list.len() {
-        0 => diagnostic.hint("there are none: check the spelling, or add it"),
+        0 => diagnostic.hint("the scene defines none: define it, or check the spelling"),
         n => {
             // A list longer than this helps nobody.
             let shown = list.iter().take(40).copied().collect::<Vec<_>>().join(", ");

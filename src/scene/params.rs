@@ -74,6 +74,8 @@ impl<'a> Reader<'a> {
         for (name, value) in overrides {
             match self.params.entries.get_mut(name) {
                 Some(param) => param.text = Text::CommandLine(value.clone()),
+                // It may be among those that cannot be read.
+                None if self.params.is_incomplete => {}
                 None => {
                     let mut fault =
                         self.params.unknown(name).hint("only parameters of the scene can be set from the command line");

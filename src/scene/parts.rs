@@ -92,8 +92,8 @@ impl<'l> Parts<'l> {
                     self.add_boundary(reader, boundary, part, name);
                 }
             }
-            // The other copies would say the same.
-            if !is_new {
+            // The other copies would say the same; those of a faulty part are never made, and may be any number.
+            if !is_new || pattern.body.is_none() {
                 return;
             }
         }

@@ -31,7 +31,8 @@ pub struct LooseViolation {
 
 /// All contacts of segments with triangles, and of segments with each other, other than in shared vertices and whole shared
 /// edges; at most `limit`. A segment with twice the same vertex is a lone vertex. The triangles are those of
-/// [`super::violations`]; those without area are passed over. Cost: O(n log n + candidate pairs).
+/// [`super::violations`]; those without area are passed over. Cost: O(n log n + pairs whose
+/// boxes overlap), which are n² where long segments lie beside each other.
 pub fn loose_violations(points: &[Vec3], triangles: &[[u32; 3]], segments: &[[u32; 2]], limit: usize) -> Vec<LooseViolation> {
     if segments.is_empty() {
         return Vec::new();

@@ -3,10 +3,10 @@
 use super::Subject;
 use crate::diag::Diagnostic;
 use crate::geom::Vec3;
-use crate::geom::polygon::{PolygonError, vector_area};
+use crate::geom::polygon::PolygonError;
 use crate::geom::union_find::UnionFind;
 use crate::plc::PlcFacet;
-use crate::plc::facet::{Area, is_once_each, segments_of};
+use crate::plc::facet::{Area, is_once_each, normal_of, segments_of};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Largest distance of a polygon's vertices from its plane, in units in the last place of the model's size: what rounding the
@@ -96,8 +96,7 @@ pub fn bent(subject: &Subject) -> Vec<Diagnostic> {
         if f.polygons.iter().map(Vec::len).sum::<usize>() <= 3 {
             continue;
         }
-        let areas = f.polygons.iter().map(|p| vector_area([&p[..]], &subject.plc.vertices));
-        let normal = areas.max_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared())).unwrap_or_default();
+        let normal = normal_of(f, &subject.plc.vertices);
         let points: Vec<Vec3> = f.polygons.iter().flatten().map(|&v| subject.point(v)).collect();
         let (distance, worst) = distance_from_plane(&points, normal);
         if distance > limit {

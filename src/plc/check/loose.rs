@@ -3,7 +3,7 @@
 //! TetGen takes segments and vertices that stand free in a volume as constraints; outside of all volumes it crashes on
 //! segments (1.5.0), and on a closed polygon that leads out of its area and back it aborts anywhere.
 
-use super::{MAX_FINDINGS, Subject, contacts};
+use super::{Subject, contacts};
 use crate::diag::{Diagnostic, Severity};
 use crate::geom::embedding::{Kind, LooseViolation, Partner, is_inside, loose_violations};
 use crate::geom::predicates::orient3d;
@@ -69,12 +69,13 @@ pub(super) fn spikes(subject: &Subject) -> Vec<Diagnostic> {
 pub(super) fn forbidden(subject: &Subject) -> Vec<Diagnostic> {
     let segments: Vec<[u32; 2]> = subject.loose.iter().map(|l| l.ends).collect();
     let found = loose_violations(&subject.plc.vertices, &subject.triangles, &segments, MAX_CONTACTS);
+    let listed = listed_segments(subject, &found);
     let mut seen = BTreeSet::new();
     let mut findings = Vec::new();
     for v in found {
         let one = subject.loose[v.segment as usize];
         let (other, kind) = match v.with {
-            Partner::Triangle(t) => (subject.facet_of[t as usize], told(subject, &v, t)),
+            Partner::Triangle(t) => (subject.facet_of[t as usize], told(subject, &listed, &v, t)),
             Partner::Segment(s) => (subject.loose[s as usize].facet, v.kind),
         };
         if seen.insert((kind, v.segment, other)) {
@@ -84,10 +85,21 @@ pub(super) fn forbidden(subject: &Subject) -> Vec<Diagnostic> {
     findings
 }
 
+/// The segments that the facets of these contacts list, by facet.
+fn listed_segments(subject: &Subject, found: &[LooseViolation]) -> BTreeSet<(u32, [u32; 2])> {
+    let met = found.iter().filter_map(|v| match v.with {
+        Partner::Triangle(t) => Some(subject.facet_of[t as usize]),
+        Partner::Segment(_) => None,
+    });
+    let facets: BTreeSet<u32> = met.collect();
+    let polygons = facets.into_iter().flat_map(|f| subject.plc.facets[f as usize].polygons.iter().map(move |p| (f, p)));
+    polygons.flat_map(|(f, p)| segments_of(p).map(move |s| (f, s))).collect()
+}
+
 /// What users see: an edge of a triangle that the facet does not list is no edge to them.
-fn told(subject: &Subject, violation: &LooseViolation, triangle: u32) -> Kind {
-    let facet = subject.facet_of[triangle as usize] as usize;
-    let is_listed = |edge: &[u32; 2]| subject.plc.facets[facet].polygons.iter().any(|p| segments_of(p).any(|s| s == *edge));
+fn told(subject: &Subject, listed: &BTreeSet<(u32, [u32; 2])>, violation: &LooseViolation, triangle: u32) -> Kind {
+    let facet = subject.facet_of[triangle as usize];
+    let is_listed = |edge: &[u32; 2]| listed.contains(&(facet, *edge));
     let [p, q] = subject.loose[violation.segment as usize].ends.map(|v| subject.point(v));
     let is_met = |edge: &[u32; 2]| {
         let [a, b] = edge.map(|v| subject.point(v));
@@ -111,8 +123,7 @@ fn told(subject: &Subject, violation: &LooseViolation, triangle: u32) -> Kind {
 /// Segments and vertices by themselves, which meet nothing: an error where TetGen cannot keep them.
 pub(super) fn places(subject: &Subject, volumes: &Volumes, caster: &Caster) -> Vec<Diagnostic> {
     let mut findings = Vec::new();
-    // A ray for each takes time: only for those that will be shown.
-    for l in subject.loose.iter().filter(|l| l.origin != Origin::Spike).take(MAX_FINDINGS + 1) {
+    for l in subject.loose.iter().filter(|l| l.origin != Origin::Spike) {
         let name = subject.facet_name(l.facet);
         let [a, b] = l.ends;
         let middle = (subject.point(a) + subject.point(b)) * 0.5;

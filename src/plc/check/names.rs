@@ -1,7 +1,7 @@
 //! The manifest tells the truth: the parts on the sides of each marker, volumes, areas and numbers are those of the complex.
 
 use super::Subject;
-use crate::diag::{Diagnostic, Tally, short};
+use crate::diag::{Diagnostic, Tally};
 use crate::geom::Vec3;
 use crate::geom::polygon::vector_area;
 use crate::io::manifest::{Counts, Manifest, MarkerEntry};
@@ -41,7 +41,8 @@ const REBUILD: &str = "the .poly and its manifest are of different runs, or one 
 /// Markers whose parts are not the ones on the sides of a facet.
 fn wrong_sides(subject: &Subject, manifest: &Manifest, volumes: &Volumes, numbers: &[Option<i64>]) -> Vec<Diagnostic> {
     let entries: BTreeMap<i64, &MarkerEntry> = manifest.markers.iter().map(|m| (m.marker, m)).collect();
-    let name = |side: usize| numbers[volumes.of_side[side] as usize].and_then(|r| manifest.part_name(r));
+    let names: Vec<Option<&str>> = numbers.iter().map(|n| n.and_then(|region| manifest.part_name(region))).collect();
+    let name = |side: usize| names[volumes.of_side[side] as usize];
     let mut tally = Tally::default();
     let mut last = u32::MAX;
     for (t, &facet) in subject.facet_of.iter().enumerate() {
@@ -120,7 +121,7 @@ fn wrong_interfaces(subject: &Subject, manifest: &Manifest) -> Vec<Diagnostic> {
         let slack = lengths * FLATNESS_ULPS * f64::EPSILON * subject.scale();
         let name = format!("marker {} ({})", entry.marker, entry.name);
         if !agree(area, entry.area, slack) {
-            let message = format!("{name} has the area {}; the manifest says {}", short(area), short(entry.area));
+            let message = format!("{name} has the area {area}; the manifest says {}", entry.area);
             findings.push(Diagnostic::error("wrong-area", message).hint(REBUILD));
         }
         if facets != entry.facets {

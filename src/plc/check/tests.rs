@@ -98,6 +98,22 @@ fn a_sheet_a_seed_on_a_facet_and_a_crossing_polygon() {
     assert_eq!(codes(&samples::cube(), |p| p.facets[0].polygons[0].swap(0, 1)), ["not-simple"]);
 }
 
+#[test]
+fn a_bent_facet_is_found_however_it_is_listed() {
+    let lift = |p: &mut Plc| {
+        let top = p.facets[0].polygons[0].clone();
+        p.vertices[top[0] as usize] += Vec3::new(0.1, 0.2, 0.3);
+        top
+    };
+    let whole = codes(&samples::cube(), |p| _ = lift(p));
+    assert!(whole.contains(&"not-planar"));
+    let by_segments = codes(&samples::cube(), |p| {
+        let top = lift(p);
+        p.facets[0].polygons = (0..4).map(|k| vec![top[k], top[(k + 1) % 4]]).collect();
+    });
+    assert_eq!(by_segments, whole);
+}
+
 /// A cube in a large one, with further vertices 16, ...; region 1 between them and region 2 inside.
 fn nested(further: &[[f64; 3]], change: impl Fn(&mut Plc)) -> Vec<(&'static str, Severity)> {
     let corner = |k: usize, lo: f64, hi: f64| [k & 1, k >> 1 & 1, k >> 2].map(|b| if b == 0 { lo } else { hi });
@@ -143,6 +159,14 @@ fn spikes_and_segments_take_part_in_the_test_for_contacts() {
     let outside = |p: &mut Plc| p.facets.push(PlcFacet { polygons: vec![vec![16, 17]], ..PlcFacet::default() });
     let apart = [[8.0, 0.0, 0.0], [9.0, 0.0, 0.0]];
     assert_eq!(nested(&apart, outside), [warning("bad-polygon"), error("loose-segment")]);
+    // However many others there are that do no harm.
+    let many = |p: &mut Plc| {
+        p.facets.extend((18..58).map(|v| PlcFacet { polygons: vec![vec![v, v + 40]], ..PlcFacet::default() }));
+        outside(p);
+    };
+    let rows = [2.0, 3.0].map(|z| (0..40).map(move |k| [2.0 + 0.1 * f64::from(k), 2.0, z]));
+    let places: Vec<[f64; 3]> = apart.into_iter().chain(rows.into_iter().flatten()).collect();
+    assert!(nested(&places, many).contains(&error("loose-segment")));
     // Two that cross each other, and one along the diagonal of a facet.
     let two = |p: &mut Plc| {
         outside(p);
