@@ -272,7 +272,8 @@ impl Bends<'_> {
         match self.bend(edge, shift) {
             Bend::None => 0,
             Bend::Merged => MERGED_HARM,
-            _ if self.is_faced(edge, RIGHT, shift) => OBTUSE_HARM,
+            // Right angles count: on which side of 90 degrees they are is a matter of rounding.
+            _ if self.is_faced(edge, -RIGHT, shift) => OBTUSE_HARM,
             Bend::Near if self.is_faced(edge, WIDE_COSINE, shift) => WIDE_HARM,
             Bend::Near => 1,
             Bend::Full => 0,

@@ -192,7 +192,7 @@ impl Workpiece {
         let size = Aabb::around(self.brep.vertices.iter().map(|v| &v.point)).diagonal();
         let treated = self.chosen();
         self.bound = match options.max_deviation {
-            Some(d) => Bound::given(d),
+            Some(d) => Bound::Fixed(d),
             None => self.present_bound(&treated, size),
         };
         let limits = Limits::of(self, size, parts);

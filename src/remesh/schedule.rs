@@ -336,19 +336,29 @@ impl Workpiece {
         }
     }
 
-    /// Splits edges that are further from their curve or surface than allowed; how many.
+    /// Splits edges that are further from their curve or surface than allowed, and the longest ones of triangles that are; how many.
     fn split_deviating(&mut self) -> usize {
         let mut count = 0;
         for edge in self.active_edges() {
             let deviates = self.brep.topology.has_edge(edge)
-                && self.edge_excess(edge) > 1.0 + EXCESS_ROUNDING
-                && self.relative_length(edge) > LEAST_SPLIT;
+                && self.relative_length(edge) > LEAST_SPLIT
+                && (self.edge_excess(edge) > 1.0 + EXCESS_ROUNDING || self.is_longest_of_deviating(edge));
             if let Some(touched) = deviates.then(|| self.split(edge)).flatten() {
                 self.swap_around(&touched);
                 count += 1;
             }
         }
         count
+    }
+
+    /// Whether a triangle of which this is the longest edge is further from its surface than allowed.
+    fn is_longest_of_deviating(&self, edge: EdgeId) -> bool {
+        let length = self.length(edge);
+        let mut facets = self.brep.topology.facets_around(edge).filter(|&f| self.is_treated(f));
+        facets.any(|f| {
+            self.measure_facet(f).excess > 1.0 + EXCESS_ROUNDING
+                && self.edges_of(&[f]).iter().all(|&e| self.length(e) <= length)
+        })
     }
 
     /// Deviation of the middle of an edge from its curve, or from its surface, as a fraction of the bound.

@@ -44,10 +44,6 @@ const FINEST: f64 = 0.25;
 /// A slide by a few hundredths of an edge changes its deviation by this factor at most.
 const SLACK: f64 = 1.1;
 
-/// Share of the user's bound that is used: deviation is looked at in a triangle's centre and the middles of its edges, and between
-/// them it is a little larger (on the reference cone by 0.5 %).
-const OF_BOUND: f64 = 0.99;
-
 /// The allowed deviation.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Bound {
@@ -64,11 +60,6 @@ pub(super) enum Bound {
 }
 
 impl Bound {
-    /// The user's.
-    pub fn given(max_deviation: f64) -> Self {
-        Self::Fixed(OF_BOUND * max_deviation)
-    }
-
     /// For the curvature of a curve, or the largest of a surface.
     pub fn along(&self, curvature: f64) -> f64 {
         match *self {
