@@ -21,18 +21,19 @@
 //!
 //! # Departures from the thesis
 //! All operands at once instead of pairs (2.2.4); exact signs, which the thesis gave up as too slow (6.1); labels on both sides
-//! of a facet instead of classes of vertices and edges (Tables 2.2, 2.3), from which the classes follow; common facets exist once
-//! from the start, so the rows of Table 2.4 that kill second copies are not needed; diagonals and vertices that only killed
-//! facets needed are removed at the end instead of never made (4.1).
+//! of a facet instead of classes of vertices and edges (Tables 2.2, 2.3), from which the classes follow; common facets exist
+//! once from the start, so the rows of Table 2.4 that kill second copies are not needed; diagonals and vertices that only
+//! killed facets needed are removed at the end instead of never made (4.1).
 //!
 //! # Tolerance
-//! Where contacts cannot be resolved within the tolerance (a chain of them reaches further, a part is thinner), a thousandth and
-//! a millionth of it are tried; what was wrong is then told as warnings. What none can resolve is refused by name.
+//! Where contacts cannot be resolved within the tolerance (a chain of them reaches further, a part is thinner), a thousandth
+//! and a millionth of it are tried; what was wrong is then told as warnings. What none can resolve is refused by name.
 //!
 //! # Rounding
 //! The last step is verified. A vertex that rounding put onto or through an edge of its own facet cuts that edge in all facets
-//! (`round/touching.rs`), so that every facet is simple or split where it touches itself. Where rounding to `f64` breaks what was decided, the rounded facets are cut against each other and
-//! rounded again (`round/repair.rs`); what is still broken after a few rounds is refused by name, never written.
+//! (`round/touching.rs`), so that every facet is simple or split where it touches itself. Where rounding to `f64` breaks what
+//! was decided, the rounded facets are cut against each other and rounded again (`round/repair.rs`); what is still broken after
+//! a few rounds is refused by name, never written.
 
 mod findings;
 mod size;

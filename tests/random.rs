@@ -1,5 +1,5 @@
-//! Random scenes: boxes on a grid against counted voxels, trees of all primitives against set identities, assemblies against the
-//! box that encloses them. GSM_RANDOM is the number of each kind, GSM_RANDOM_SEED the first; a failure prints its scene.
+//! Random scenes: boxes on a grid against counted voxels, trees of all primitives against set identities, assemblies against
+//! the box that encloses them. GSM_RANDOM is the number of each kind, GSM_RANDOM_SEED the first; a failure prints its scene.
 
 mod evaluated;
 #[path = "random/generator.rs"]

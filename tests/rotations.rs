@@ -245,7 +245,8 @@ fn rotated_scenes_are_meshed() {
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
-/// TetGen 1.5 aborts on the tour as it is when its frustum lies askew, and when bent merges facets of the torus to another volume.
+/// TetGen 1.5 aborts on the tour as it is when its frustum lies askew, and when bent merges facets of the torus to another
+/// volume.
 #[test]
 fn an_askew_frustum_is_meshed() {
     let text = fs::read_to_string(scene_path("tour")).unwrap();
@@ -265,8 +266,8 @@ fn mesh_evaluated(name: &str, mode: RemeshMode) -> Meshed {
     mesh(&scene, &find::find(None).unwrap()).unwrap()
 }
 
-/// Without remeshing TetGen aborts in every exact attempt. The triangles of a polygon whose corners were moved are nearly coplanar;
-/// TetGen must not merge them to another volume.
+/// Without remeshing TetGen aborts in every exact attempt. The triangles of a polygon whose corners were moved are nearly
+/// coplanar; TetGen must not merge them to another volume.
 #[test]
 fn an_askew_machine_is_meshed() {
     let meshed = mesh_evaluated("askew_machine", RemeshMode::Off);

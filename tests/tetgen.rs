@@ -87,7 +87,8 @@ fn a_missing_program_is_a_clear_message() {
     assert_eq!(fault.code, "no-tetgen");
 }
 
-/// A program that meshes as TetGen does, but for the runs up to the given number ignores the quality and makes small tetrahedra.
+/// A program that meshes as TetGen does, but for the runs up to the given number ignores the quality and makes small
+/// tetrahedra.
 #[cfg(unix)]
 fn endless(runs: u32) -> std::path::PathBuf {
     use std::os::unix::fs::PermissionsExt;

@@ -12,8 +12,8 @@ use std::ops::Range;
 
 /// Triangles or pairs from which on the work is shared between threads: below, handing it out costs more than it saves.
 const PARALLEL_FROM: usize = 4096;
-/// Candidate pairs that are gathered before they are looked at: enough to share between threads. Of needles that lie nearly in one
-/// plane there may be a thousand candidates to a contact, which should not all be kept.
+/// Candidate pairs that are gathered before they are looked at: enough to share between threads. Of needles that lie nearly in
+/// one plane there may be a thousand candidates to a contact, which should not all be kept.
 const BATCH: usize = 1 << 16;
 /// Triangles of one facet from which on they go into a box tree.
 const TREE_FROM: usize = 32;
@@ -113,8 +113,8 @@ impl Facets {
     }
 }
 
-/// Finds all contacts between triangles that have no leaf in common, since a leaf is valid in itself, nor a sheet, since contact
-/// has made its cells conform.
+/// Finds all contacts between triangles that have no leaf in common, since a leaf is valid in itself, nor a sheet, since
+/// contact has made its cells conform.
 pub fn contacts(mesh: &Mesh) -> Contacts {
     let (facets, pairs) = (Facets::new(mesh), &mesh.input.pairs);
     let mut all = if pairs.len() >= PARALLEL_FROM {

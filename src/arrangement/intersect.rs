@@ -149,17 +149,17 @@ pub fn intersect(t: &Corners, u: &Corners) -> Option<Contact> {
     (hits.len() > shared || (is_coplanar && shared == 3)).then_some(Contact { hits, is_coplanar })
 }
 
-/// Whether all corners of `of` but common ones lie on one side of the plane of `plane`, so far that rounding leaves no doubt: the
-/// cheapest reason to have nothing else in common.
+/// Whether all corners of `of` but common ones lie on one side of the plane of `plane`, so far that rounding leaves no doubt:
+/// the cheapest reason to have nothing else in common.
 fn is_clearly_beside(of: &Corners, plane: &Corners, is_common: [bool; 3]) -> bool {
     let [a, b, c] = plane.at;
     let mut sides = (0..3).filter(|&k| !is_common[k]).map(|k| clear_side(a, b, c, of.at[k]));
     sides.next().is_some_and(|first| first != 0 && sides.all(|side| side == first))
 }
 
-/// Whether, seen in the projection of `t`, one edge of it has all corners of `u` beyond, other than those of the edge: they then
-/// share nothing else. Many candidates are neighbours over what contact has made common, and this settles them without the signs
-/// of volumes, which for points of a common wall all need long numbers.
+/// Whether, seen in the projection of `t`, one edge of it has all corners of `u` beyond, other than those of the edge: they
+/// then share nothing else. Many candidates are neighbours over what contact has made common, and this settles them without the
+/// signs of volumes, which for points of a common wall all need long numbers.
 fn is_beyond_an_edge(t: &Corners, u: &Corners, common_of_t: [bool; 3], common_of_u: [bool; 3]) -> bool {
     let flat = |p: &Vec3| t.projection.apply(p);
     let [of_t, of_u] = [t.at.map(flat), u.at.map(flat)];

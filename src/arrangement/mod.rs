@@ -3,16 +3,16 @@
 //! Reads the cells of `contact`, gives `classify` polygonal sub-cells that meet only in whole vertices and edges.
 //!
 //! # Goals
-//! Right for every input: crossing, touching, coplanar, concurrent. Exact: signs come from explicit vertices, or from points that
-//! remember how they were made. Polygons, not triangles: a triangle is cut into the faces of the planar graph that is drawn on
-//! it, without diagonals.
+//! Right for every input: crossing, touching, coplanar, concurrent. Exact: signs come from explicit vertices, or from points
+//! that remember how they were made. Polygons, not triangles: a triangle is cut into the faces of the planar graph that is
+//! drawn on it, without diagonals.
 //!
 //! # Steps
 //! 1. `broad_phase`: pairs of triangles whose boxes overlap, of the pairs of facets that contact found near; not those of which
 //!    one `rests` on the sheet of the other.
 //! 2. `intersect`: the common points of a pair, each with its place on both.
-//! 3. `graph`: points are interned by exact equality (`point`); a point on an edge is entered in the edge, which all its triangles
-//!    share; two points of a pair make a segment, which both triangles share, or a piece of an edge.
+//! 3. `graph`: points are interned by exact equality (`point`); a point on an edge is entered in the edge, which all its
+//!    triangles share; two points of a pair make a segment, which both triangles share, or a piece of an edge.
 //! 4. `crossings`: on each triangle the strings (segments, pieces of edges) are cut where they meet. All cuts go to the shared
 //!    segment or edge, so both its triangles see them.
 //! 5. `subdivide`: the faces of each triangle's planar graph become sub-cells, holes and touching points included.
@@ -20,8 +20,8 @@
 //!
 //! # Departures from the thesis
 //! The thesis (2.2.4.2) inserts intersection points pair by pair into the B-rep with floating-point coordinates and
-//! re-triangulates. Here all leaves are intersected at once and nothing is rounded, so the result depends neither on order nor on
-//! a tolerance, and no needle triangles are made.
+//! re-triangulates. Here all leaves are intersected at once and nothing is rounded, so the result depends neither on order nor
+//! on a tolerance, and no needle triangles are made.
 
 mod broad_phase;
 mod coincide;

@@ -1,8 +1,8 @@
 //! Triangles that touch a sheet in a coordinate plane only where the sheet has vertices and edges.
 //!
-//! Contact leaves the rim of a wall that stands on a cap as edges of both, and such caps lie exactly in a coordinate plane. Then
-//! no triangle of the wall meets one of the cap anywhere else, and none of their pairs need be looked at: of needles there may be
-//! a thousand times as many pairs as contacts.
+//! Contact leaves the rim of a wall that stands on a cap as edges of both, and such caps lie exactly in a coordinate plane.
+//! Then no triangle of the wall meets one of the cap anywhere else, and none of their pairs need be looked at: of needles there
+//! may be a thousand times as many pairs as contacts.
 
 use super::graph::Mesh;
 use crate::geom::aabb::Aabb;

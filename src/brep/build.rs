@@ -1,10 +1,10 @@
 //! From the plain complex to the model and back.
 //!
 //! `Brep::from_complex` links fins by loops, groups them by edge (counting sort on the smaller vertex), orders the rings with
-//! more than two fins by exact signs of the triangles kept beside the facets, and collects shells across mates. That the sides a
-//! facet claims agree along every shell is checked here: it proves radial order and labels against each other. Ids of vertices,
-//! facets and regions are those of the complex. `Brep::to_complex` numbers what lives anew, in id order; for an unchanged
-//! model it gives back the complex. Cost: linear, up to sorting around vertices.
+//! more than two fins by exact signs of the triangles kept beside the facets, and collects shells across mates. That the sides
+//! a facet claims agree along every shell is checked here: it proves radial order and labels against each other. Ids of
+//! vertices, facets and regions are those of the complex. `Brep::to_complex` numbers what lives anew, in id order; for an
+//! unchanged model it gives back the complex. Cost: linear, up to sorting around vertices.
 
 use super::complex::{Complex, ComplexFacet};
 use super::model::{Brep, FacetData};
@@ -20,8 +20,8 @@ impl Brep {
     /// Builds the model.
     ///
     /// # Errors
-    /// Internal ones (`brep-input`, `brep-radial`, `brep-sides`, `brep-region`), if the complex breaks its invariants: ids out of
-    /// range, empty loops, facets that coincide around an edge, sides that do not agree along a shell.
+    /// Internal ones (`brep-input`, `brep-radial`, `brep-sides`, `brep-region`), if the complex breaks its invariants: ids out
+    /// of range, empty loops, facets that coincide around an edge, sides that do not agree along a shell.
     pub fn from_complex(complex: Complex) -> Outcome<Brep> {
         let findings = check_input(&complex);
         if !findings.is_empty() {

@@ -3,8 +3,8 @@
 //! Each face use belongs to one shell, each shell is a closed oriented surface once its vertex uses are told apart, and for
 //! each of them V - E + F - L = 2 (1 - H). Summed over the shells of all regions, the outside included, this is the thesis'
 //! V - E + F - L = 2 (R + S - H) with
-//! - V vertex uses: the orbits of half-edges turning about a vertex within a shell ([`Topology::rotate`]), and one per side of a lone
-//!   vertex. A vertex where two cubes touch in a point has two uses in the air, one in each cube;
+//! - V vertex uses: the orbits of half-edges turning about a vertex within a shell ([`Topology::rotate`]), and one per side of
+//!   a lone vertex. A vertex where two cubes touch in a point has two uses in the air, one in each cube;
 //! - E edge uses: pairs of mates, one per sector around an edge, so as many as fins;
 //! - F face uses: two per facet; L their loops beyond the first;
 //! - R outer shells, one per bounded region; S all others, those of the outside among them;

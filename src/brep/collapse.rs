@@ -7,8 +7,8 @@ use super::store::{EdgeId, FinId};
 use crate::ids::{FacetId, VertexId};
 
 impl Brep {
-    /// Whether `edge` can be contracted onto its other end so that `gone` disappears, and what that would do. `gone` may lie on one
-    /// feature curve if the edge does, too; never on a corner.
+    /// Whether `edge` can be contracted onto its other end so that `gone` disappears, and what that would do. `gone` may lie on
+    /// one feature curve if the edge does, too; never on a corner.
     ///
     /// # Errors
     /// `Feature`, `Link`, `TooSmall`.
@@ -60,8 +60,9 @@ impl Brep {
         if is_free && self.topology.lone_fins(gone).next().is_none() { Ok(()) } else { Err(Refusal::Feature) }
     }
 
-    /// A facet at both ends must be at the edge, and touch itself no more often afterwards: of its corners at the two ends, those
-    /// joined by the edge become one. (It is at the edge twice if the edge, or a chain that it belongs to, lies inside it.)
+    /// A facet at both ends must be at the edge, and touch itself no more often afterwards: of its corners at the two ends,
+    /// those joined by the edge become one. (It is at the edge twice if the edge, or a chain that it belongs to, lies inside
+    /// it.)
     fn check_common(&self, edge: EdgeId, gone: VertexId, kept: VertexId) -> Result<(), Refusal> {
         let sorted = |iter: &mut dyn Iterator<Item = FacetId>| {
             let mut facets: Vec<FacetId> = iter.collect();
@@ -103,8 +104,8 @@ impl Brep {
         if here.iter().any(|w| there.binary_search(w).is_ok()) { Err(Refusal::Link) } else { Ok(()) }
     }
 
-    /// Contracts an edge: one KEV, one KEF per triangle at the edge. The kept vertex does not move; of the two edges of a triangle
-    /// that become one, that of the kept vertex stays.
+    /// Contracts an edge: one KEV, one KEF per triangle at the edge. The kept vertex does not move; of the two edges of a
+    /// triangle that become one, that of the kept vertex stays.
     pub fn collapse(&mut self, plan: &Collapse) -> Touched {
         let topology = &mut self.topology;
         let &Collapse { edge, gone, kept, .. } = plan;

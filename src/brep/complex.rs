@@ -15,7 +15,8 @@ pub struct Complex {
     pub vertices: IdVec<VertexId, ComplexVertex>,
     /// Facets.
     pub facets: IdVec<FacetId, ComplexFacet>,
-    /// Region 0 is the unbounded outside; then connected volumes, by part and then by smallest vertex; voids (part `None`) last.
+    /// Region 0 is the unbounded outside; then connected volumes, by part and then by smallest vertex; voids (part `None`)
+    /// last.
     pub regions: IdVec<RegionId, Region>,
     /// Source surfaces of facets.
     pub surfaces: IdVec<SurfaceId, ComplexSurface>,

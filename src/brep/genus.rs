@@ -1,15 +1,15 @@
 //! The number of handles of a shell, found without Euler's formula.
 //!
 //! Bridges join the loops of each face use into one. A tree of face uses, joined across edge uses, unfolds the shell into one
-//! disk; the edge uses left over form a graph, of which a spanning tree shrinks to a point. What then remains are closed loops, and
-//! walking once round the disk meets each of them twice. Two loops cross iff they alternate on that walk; the rank of this
+//! disk; the edge uses left over form a graph, of which a spanning tree shrinks to a point. What then remains are closed loops,
+//! and walking once round the disk meets each of them twice. Two loops cross iff they alternate on that walk; the rank of this
 //! alternation matrix over the integers modulo 2 is twice the number of handles. On a closed surface the matrix is regular, so
 //! loops that cross nothing betray a surface that is not one: uses glued or told apart wrongly.
 
 use super::store::{FaceUseId, HalfEdgeId, ShellId, Topology};
 
-/// Beyond this many loops the alternation matrix (bits: loops squared) and its elimination (loops cubed / 64) cost too much; the
-/// count is then refused.
+/// Beyond this many loops the alternation matrix (bits: loops squared) and its elimination (loops cubed / 64) cost too much;
+/// the count is then refused.
 const MAX_LOOPS: usize = 1 << 13;
 
 /// Marks per half-edge, for all shells.

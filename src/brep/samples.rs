@@ -144,8 +144,8 @@ pub fn plate() -> Sketch {
     sketch
 }
 
-/// A block 4 x 4 x 4 (region 1) on whose top a wedge (region 2) stands, touching it in the point (1, 1, 4) or along the edge from
-/// there to (3, 1, 4), inside the top.
+/// A block 4 x 4 x 4 (region 1) on whose top a wedge (region 2) stands, touching it in the point (1, 1, 4) or along the edge
+/// from there to (3, 1, 4), inside the top.
 pub fn touching(along_edge: bool) -> Sketch {
     let mut sketch = Sketch::with_regions(2);
     let at = |x: i32, y: i32, z: i32| [x, y, z];

@@ -148,8 +148,8 @@ pub(super) struct Edge {
     pub fin: FinId,
 }
 
-/// Start vertex; neighbours in the loop, as the front side walks it; neighbours in the edge's ring. A lone fin has no edge and is
-/// its own neighbour in the loop; `around_*` then chain the lone fins of its vertex.
+/// Start vertex; neighbours in the loop, as the front side walks it; neighbours in the edge's ring. A lone fin has no edge and
+/// is its own neighbour in the loop; `around_*` then chain the lone fins of its vertex.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Fin {
     pub vertex: VertexId,

@@ -103,8 +103,8 @@ fn lone_vertex_and_lone_edge_in_a_facet() {
     // Block 8, 12, 6 and tetrahedron 4, 6, 4 on both sides; the lone vertex has a use and a loop on both sides of the top.
     assert_eq!(sound(&brep), Tally { v: 16 + 8 + 2, e: 24 + 12, f: 20, l: 2, r: 2, s: 2, h: 0 });
     let brep = touching(true).brep();
-    // The edge has four fins: the top's two and the wedge's two. In the block (8 + 2 vertices, 12 + 1 edges, 6 facets, a loop), in
-    // the wedge (4, 6, 4), in the air, where wedge and top are one shell (8 + 4, 12 + 6 + 1, 10, a loop).
+    // The edge has four fins: the top's two and the wedge's two. In the block (8 + 2 vertices, 12 + 1 edges, 6 facets, a loop),
+    // in the wedge (4, 6, 4), in the air, where wedge and top are one shell (8 + 4, 12 + 6 + 1, 10, a loop).
     assert_eq!(sound(&brep), Tally { v: 10 + 4 + 12, e: 13 + 6 + 19, f: 20, l: 2, r: 2, s: 1, h: 0 });
     assert_eq!(brep.topology.edges().map(|e| brep.topology.ring_len(e)).max(), Some(4));
 }

@@ -9,8 +9,8 @@ use crate::ids::{FacetId, VertexId};
 use std::collections::HashSet;
 
 impl Brep {
-    /// Triangles of `facet` if `kept` stood for `gone` (equal: as it is) and vertices were where `at` says: what a plan would lead
-    /// to. Loops of one or two vertices become inner vertices and edges.
+    /// Triangles of `facet` if `kept` stood for `gone` (equal: as it is) and vertices were where `at` says: what a plan would
+    /// lead to. Loops of one or two vertices become inner vertices and edges.
     ///
     /// # Errors
     /// If the facet would not be simple in its dominant projection, or flat.
@@ -54,8 +54,8 @@ impl Brep {
     }
 
     /// Cuts a polygon into the triangles kept beside it: what a strip of a curved side needs before it can be remeshed. Euler
-    /// operators: MEKL until one loop is left, then MEF. Two vertices that a diagonal joins must have no edge yet: where facets meet in
-    /// nothing but edges and vertices, they have none.
+    /// operators: MEKL until one loop is left, then MEF. Two vertices that a diagonal joins must have no edge yet: where facets
+    /// meet in nothing but edges and vertices, they have none.
     pub fn divide_facet(&mut self, facet: FacetId) -> Touched {
         let tiles = std::mem::take(&mut self.facets[facet].tiles);
         let fans = Fans::new(&tiles);
@@ -87,8 +87,8 @@ impl Brep {
 }
 
 impl Brep {
-    /// Makes one polygon of the two facets at an edge, with the triangles of both; the facet that stays, `None` if the edge is a
-    /// feature, or if they touch elsewhere, too. Euler operator: KEF.
+    /// Makes one polygon of the two facets at an edge, with the triangles of both; the facet that stays, `None` if the edge is
+    /// a feature, or if they touch elsewhere, too. Euler operator: KEF.
     pub fn merge_facets(&mut self, edge: EdgeId) -> Option<FacetId> {
         let fins: Vec<FinId> = self.topology.fins_around(edge).collect();
         let &[f, g] = &fins[..] else { return None };

@@ -11,8 +11,8 @@ use crate::geom::union_find::UnionFind;
 use std::cmp::Ordering;
 
 /// Directed edges (corners of the sub-cells' loops) grouped by undirected edge; within a group counter-clockwise about the
-/// direction from the smaller to the larger point number. Those of pieces that are set aside come last: they have no angle, since
-/// they are spanned by any triangles.
+/// direction from the smaller to the larger point number. Those of pieces that are set aside come last: they have no angle,
+/// since they are spanned by any triangles.
 pub struct EdgeUses {
     /// Corner numbers.
     pub uses: Vec<u32>,
@@ -138,8 +138,8 @@ impl EdgeUses {
         Fan { corner, is_forward, triangle, line, apex, side, is_live }
     }
 
-    /// The pairs of sides (twice the sub-cell, plus one for its back) that face each other at one edge, of a group or some of its
-    /// corners in its order.
+    /// The pairs of sides (twice the sub-cell, plus one for its back) that face each other at one edge, of a group or some of
+    /// its corners in its order.
     pub fn facing_in(&self, group: &[u32]) -> impl Iterator<Item = [u32; 2]> {
         (0..group.len()).map(move |k| {
             let (i, j) = (group[k] as usize, group[(k + 1) % group.len()] as usize);
@@ -214,8 +214,8 @@ fn apex(arrangement: &Arrangement, [a, b]: [u32; 2], triangle: [u32; 3]) -> (u32
     off.unwrap_or((order[0].1, 1))
 }
 
-/// Sign of the turn about the edge from piece `i` to piece `j`: +1 if j is less than half a turn counter-clockwise; 0 if both lie
-/// in one plane.
+/// Sign of the turn about the edge from piece `i` to piece `j`: +1 if j is less than half a turn counter-clockwise; 0 if both
+/// lie in one plane.
 fn turn(arrangement: &Arrangement, i: &Fan, j: &Fan) -> Sign {
     // Pieces of one triangle on both sides of an edge are the most frequent ones in one plane.
     if i.triangle.contains(&j.apex) {

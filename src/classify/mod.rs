@@ -9,8 +9,8 @@
 //! 4. `labels`: crossing a sub-cell changes the label by its owners; so every shell gets its label, and a contradiction is a
 //!    broken invariant.
 //!
-//! The thesis (2.2.4.3) casts a ray per vertex and derives edges and facets from Tables 2.2 and 2.3. The labels say the same, as
-//! tests prove, without casting from points that may lie *on* something.
+//! The thesis (2.2.4.3) casts a ray per vertex and derives edges and facets from Tables 2.2 and 2.3. The labels say the same,
+//! as tests prove, without casting from points that may lie *on* something.
 
 mod edges;
 mod labels;
@@ -25,8 +25,8 @@ use crate::diag::Diagnostic;
 pub struct Classified {
     /// Shell on the front (where the normal points) and on the back of every sub-cell.
     pub shells: Vec<[u32; 2]>,
-    /// Label of every shell: index into `labels`; no index for the sides of sub-cells whose [`crate::cull::Fate`] is known, which
-    /// are shells of their own.
+    /// Label of every shell: index into `labels`; no index for the sides of sub-cells whose [`crate::cull::Fate`] is known,
+    /// which are shells of their own.
     pub label_of_shell: Vec<u32>,
     /// Distinct labels: the leaves that contain a place, sorted.
     pub labels: Vec<Vec<u32>>,

@@ -157,8 +157,8 @@ fn triangulate(vertices: &[u32], edges: &[[u32; 2]], projection: Projection, poi
     Ok(cdt)
 }
 
-/// Adds the chords that cross nothing; the exact arrangement cuts the others. A chord through a vertex is two, and so is one past
-/// a vertex that `is_on` it: beside it, a needle would be left that rounding turns over.
+/// Adds the chords that cross nothing; the exact arrangement cuts the others. A chord through a vertex is two, and so is one
+/// past a vertex that `is_on` it: beside it, a needle would be left that rounding turns over.
 fn add_chords(cdt: &mut Cdt, chords: &[[u32; 2]], vertices: &[u32], is_on: impl Fn(usize, [usize; 2]) -> bool) {
     let mut chords = chords.to_vec();
     chords.sort_unstable();

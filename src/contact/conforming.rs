@@ -28,8 +28,8 @@ pub struct Conforming {
     pub tolerance: f64,
     /// Boxes of the facets as they came.
     pub trees: FacetTrees,
-    /// Pairs of facets of different leaves, by their numbers among all, that may have more in common than cells: their boxes, with
-    /// all that contact may have moved, overlap.
+    /// Pairs of facets of different leaves, by their numbers among all, that may have more in common than cells: their boxes,
+    /// with all that contact may have moved, overlap.
     pub pairs: Vec<[u32; 2]>,
 }
 

@@ -30,8 +30,8 @@ pub(super) struct EdgeSet {
     pub edges: Vec<Edge>,
     /// For every facet, whether it is active.
     pub is_active: Vec<bool>,
-    /// For every facet, the edges for which it is the first in its leaf that is compared with others, so that a contact is looked
-    /// for once.
+    /// For every facet, the edges for which it is the first in its leaf that is compared with others, so that a contact is
+    /// looked for once.
     pub own: Lists,
     /// For every edge its uses as (leaf, facet), ascending.
     pub uses: Lists<(u32, u32)>,

@@ -30,7 +30,8 @@ pub struct Gap {
 }
 
 /// All pairs of leaves that come nearer than [`GAP`] tolerances without touching or crossing, in ascending order, for the
-/// solids that `conforming` was made from. Whether they belong to one part is the caller's to know. O(n log n + pairs of facets).
+/// solids that `conforming` was made from. Whether they belong to one part is the caller's to know. O(n log n + pairs of
+/// facets).
 pub fn nearly_touching(solids: &[Solid], conforming: &Conforming) -> Vec<Gap> {
     let reach = GAP * conforming.tolerance;
     let near = conforming.trees.leaf_pairs(|_, _| reach);

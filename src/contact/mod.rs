@@ -1,8 +1,8 @@
 //! What is meant to touch shares vertices: leaf solids to one [`conforming::Conforming`] set of cells.
 //!
 //! The only stage with a tolerance. After it, facets that overlap within the tolerance consist of the same cells, points
-//! within the tolerance of an edge or facet of another leaf are points of it, and edges that meet do so in common points; all by
-//! identity of point numbers. What crosses transversally is left to the exact arrangement.
+//! within the tolerance of an edge or facet of another leaf are points of it, and edges that meet do so in common points; all
+//! by identity of point numbers. What crosses transversally is left to the exact arrangement.
 //!
 //! 1. [`weld`]: vertices of different leaves within the tolerance become one; the earlier represents.
 //! 2. [`candidates`]: pairs of facets of different leaves whose boxes come near. What is in no pair is done.
@@ -11,8 +11,8 @@
 //! 4. [`sheets`]: facets in one plane that overlap form a sheet; edges and points of other facets may lie on it besides.
 //! 5. [`chords`]: facets that cross along a line with common points on it get its pieces as common edges; so do [`walls`] of
 //!    several facets in one plane.
-//! 6. [`cells`]: each sheet is one constrained triangulation, cut along its edges into cells, each with the facets that cover it;
-//!    [`cuts`] does the simplest ones.
+//! 6. [`cells`]: each sheet is one constrained triangulation, cut along its edges into cells, each with the facets that cover
+//!    it; [`cuts`] does the simplest ones.
 //! 7. [`assemble`]: the same cell from two sheets is one cell ([`drafts`]). [`verify`]: every leaf is still what it was.
 //!
 //! [`nearly_touching`] finds the gaps that are left and were hardly meant.
@@ -60,13 +60,13 @@ const NEAR: f64 = 4.0; // Twice "nearly two".
 /// `pieces` tells what is known to become of the facets, if anything is: those that are set aside are compared with none.
 ///
 /// `tolerance` is absolute, `leaf_tolerance` that of leaves with their own (imports); between two leaves the coarser holds, and
-/// none falls below the rounding of the coordinates. `names` says how messages call a leaf. Points keep scene order: vertices of
-/// leaves first, then crossings.
+/// none falls below the rounding of the coordinates. `names` says how messages call a leaf. Points keep scene order: vertices
+/// of leaves first, then crossings.
 ///
 /// # Errors
 /// `feature-below-tolerance`: two vertices of one leaf within its tolerance. `contact-chain`: contacts that hang together but
-/// reach further than the tolerance. `contact-unresolved`: what touches a facet crosses itself, since features are about as small
-/// as the tolerance. `contact-changes-leaf`: a volume changed by more than area times tolerance.
+/// reach further than the tolerance. `contact-unresolved`: what touches a facet crosses itself, since features are about as
+/// small as the tolerance. `contact-changes-leaf`: a volume changed by more than area times tolerance.
 ///
 /// O(n log n) in facets, candidates and crossings, plus the owners of all cells.
 pub fn conform(

@@ -18,8 +18,8 @@ pub(super) struct Outline {
     pub bounds: Aabb,
     /// Loops as points, with everything inserted into the edges.
     pub loops: Vec<Vec<u32>>,
-    /// Loops as they came, if they differ. What is not on the outline is further from it than the tolerance, hence inside both or
-    /// neither.
+    /// Loops as they came, if they differ. What is not on the outline is further from it than the tolerance, hence inside both
+    /// or neither.
     frame: Option<Vec<Vec<u32>>>,
     /// What a long outline is searched by; a short one is searched as it is.
     index: Option<Box<Index>>,

@@ -1,14 +1,15 @@
 //! What cannot reach the result is set aside before anything is intersected.
 //!
-//! Reads the scene and its leaf solids, gives `contact` the same solids with their facets cut into pieces, each with its [`Fate`].
+//! Reads the scene and its leaf solids, gives `contact` the same solids with their facets cut into pieces, each with its
+//! [`Fate`].
 //!
-//! Two hundred cubes about one axis cross 159200 times on each cap, and their union has 1600 vertices there: where one cube covers
-//! a place, it does not matter how the others lie. So space is divided into boxes ([`zones`]). In each the parts' trees are
-//! evaluated with three values ([`inside`]): a leaf contains the box, or does not, or its boundary passes through and nothing is
-//! known. Where all parts' claims are known nevertheless, the box is one volume, and no facet in it can reach the result. Where they
-//! are known on both sides of a plane, its piece in the box is one facet of the result, whatever else lies in it. Facets are cut
-//! along such boxes ([`pieces`]), so that what is set aside is whole pieces; a leaf stays closed, since all pieces are kept, those
-//! of one facet that are set aside as few polygons ([`rebuild`]).
+//! Two hundred cubes about one axis cross 159200 times on each cap, and their union has 1600 vertices there: where one cube
+//! covers a place, it does not matter how the others lie. So space is divided into boxes ([`zones`]). In each the parts' trees
+//! are evaluated with three values ([`inside`]): a leaf contains the box, or does not, or its boundary passes through and
+//! nothing is known. Where all parts' claims are known nevertheless, the box is one volume, and no facet in it can reach the
+//! result. Where they are known on both sides of a plane, its piece in the box is one facet of the result, whatever else lies
+//! in it. Facets are cut along such boxes ([`pieces`]), so that what is set aside is whole pieces; a leaf stays closed, since
+//! all pieces are kept, those of one facet that are set aside as few polygons ([`rebuild`]).
 //!
 //! Boxes cost time too: only piles of leaves are worth it ([`is_worthwhile`]).
 

@@ -13,7 +13,8 @@ use crate::scene::model::Scene;
 const MAX_DEPTH: u32 = 24;
 /// Leaves in a box that are intersected faster than it is halved.
 const FEW: usize = 6;
-/// Power of the slenderness of a box that weighs as much as the facets that are cut (0.2 was faster than 0.5 for 200 turned cubes).
+/// Power of the slenderness of a box that weighs as much as the facets that are cut (0.2 was faster than 0.5 for 200 turned
+/// cubes).
 const STRETCH: f64 = 0.2;
 /// Where a box is halved. Corners must not lie near, hence several; not at round parts, where facets lie.
 const HALVES: [f64; 6] = [0.5137, 0.4719, 0.5491, 0.4423, 0.5773, 0.4117];

@@ -106,8 +106,8 @@ pub fn overlaps(scene: &Scene, arrangement: &Arrangement, classified: &Classifie
     labels.iter().filter_map(describe).collect()
 }
 
-/// Volume of the places with the given labels, and one of their vertices; `None` if there is no such place: parts that touch have
-/// the label of both on the facets where they do.
+/// Volume of the places with the given labels, and one of their vertices; `None` if there is no such place: parts that touch
+/// have the label of both on the facets where they do.
 fn volume_of(arrangement: &Arrangement, classified: &Classified, labels: &BTreeSet<u32>) -> Option<(f64, Vec3)> {
     let cells = &arrangement.cells;
     let places: Vec<Vec3> = (0..arrangement.points.len() as u32).map(|p| arrangement.points.at(p)).collect();

@@ -94,8 +94,9 @@ impl Bvh {
         }
     }
 
-    /// The item nearest to a point by a squared distance that is not below that of the item's box; the first of equally near ones.
-    /// Nearer boxes are looked at first: cost O(log n) on well spread ones, and less if `guess` is one of the nearer items.
+    /// The item nearest to a point by a squared distance that is not below that of the item's box; the first of equally near
+    /// ones. Nearer boxes are looked at first: cost O(log n) on well spread ones, and less if `guess` is one of the nearer
+    /// items.
     pub fn nearest(&self, point: &Vec3, guess: Option<u32>, distance: impl Fn(u32) -> f64) -> Option<u32> {
         let gap = |b: &Aabb| (b.lo - point).sup(&(point - b.hi)).sup(&Vec3::zeros()).norm_squared();
         let mut best = guess.map_or((f64::INFINITY, u32::MAX), |i| (distance(i), i));

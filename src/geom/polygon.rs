@@ -22,8 +22,8 @@ pub fn vector_area<'a>(loops: impl IntoIterator<Item = &'a [u32]>, points: &[Vec
     sum * 0.5
 }
 
-/// Whether all vertices lie within `flatness` of a plane: that of the polygon's area, or, since the area of a thin ring is small
-/// and its direction uncertain, that of three vertices far apart.
+/// Whether all vertices lie within `flatness` of a plane: that of the polygon's area, or, since the area of a thin ring is
+/// small and its direction uncertain, that of three vertices far apart.
 pub fn is_planar(loops: &[&[u32]], points: &[Vec3], flatness: f64) -> bool {
     let all = || loops.iter().flat_map(|l| l.iter()).map(|&v| points[v as usize]);
     let Some(first) = all().next() else { return true };
@@ -101,11 +101,12 @@ pub fn triangle(corners: [u32; 3], points: &[Vec3]) -> Result<[u32; 3], PolygonE
     if normal != Vec3::zeros() && orient2d(a, b, c) > 0 { Ok(corners) } else { Err(PolygonError::Flat) }
 }
 
-/// Corners up to which a convex polygon is triangulated in quadratic time, which is then less than setting up the general way costs.
+/// Corners up to which a convex polygon is triangulated in quadratic time, which is then less than setting up the general way
+/// costs.
 const SMALL: usize = 32;
 
-/// Delaunay triangulation of a convex polygon, which may go straight on at corners: beyond each edge that is reached the corner that
-/// sees it under the largest angle. `None` if it is not convex.
+/// Delaunay triangulation of a convex polygon, which may go straight on at corners: beyond each edge that is reached the corner
+/// that sees it under the largest angle. `None` if it is not convex.
 fn triangulate_convex(walk: &[u32], flat: impl Fn(u32) -> [f64; 2]) -> Option<Vec<[u32; 3]>> {
     let at: Vec<[f64; 2]> = walk.iter().map(|&v| flat(v)).collect();
     let n = at.len();
@@ -139,8 +140,8 @@ fn triangulate_convex(walk: &[u32], flat: impl Fn(u32) -> [f64; 2]) -> Option<Ve
 /// A corner of a quadrilateral is nearly straight if its triangle has less than this part of the area.
 const STRAIGHT: f64 = 1e-6;
 
-/// A convex quadrilateral, by far the most frequent polygon (strips), cut along its shorter diagonal; at a corner that is nearly
-/// straight, since a needle there would stand on the plane in any way that rounding likes.
+/// A convex quadrilateral, by far the most frequent polygon (strips), cut along its shorter diagonal; at a corner that is
+/// nearly straight, since a needle there would stand on the plane in any way that rounding likes.
 fn split_quad([a, b, c, d]: [u32; 4], flat: impl Fn(u32) -> [f64; 2]) -> Option<[[u32; 3]; 2]> {
     let turn = |i, j, k| orient2d(flat(i), flat(j), flat(k));
     if turn(a, b, c) <= 0 || turn(b, c, d) <= 0 || turn(c, d, a) <= 0 || turn(d, a, b) <= 0 {

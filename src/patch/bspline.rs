@@ -65,8 +65,8 @@ pub struct BsplinePatch {
 }
 
 impl BsplinePatch {
-    /// The patch over `plane` through points with weights, nearly (at least three, not collinear in the plane), with one side along
-    /// a direction in the plane; `None` if the points do not determine one.
+    /// The patch over `plane` through points with weights, nearly (at least three, not collinear in the plane), with one side
+    /// along a direction in the plane; `None` if the points do not determine one.
     pub fn fit(plane: Plane, side: &Vec3, points: &[(Vec3, f64)], energy: Energy) -> Option<Self> {
         let u = side.try_normalize(0.0)?;
         let axes = [u, plane.normal.cross(&u)];
@@ -102,8 +102,8 @@ impl BsplinePatch {
         patch.error.is_finite().then_some(patch)
     }
 
-    /// The control heights of the quadric that meets some heights with weights best: the shape in which the patch is without energy. A
-    /// plate that is flat without energy would be flat between the ends of long strips.
+    /// The control heights of the quadric that meets some heights with weights best: the shape in which the patch is without
+    /// energy. A plate that is flat without energy would be flat between the ends of long strips.
     fn quadric(&self, samples: impl Iterator<Item = ([f64; 2], f64, f64)>) -> SVector<f64, UNKNOWNS> {
         let monomials = |[x, y]: [f64; 2], less: f64| SVector::<f64, 6>::from([1.0, x, y, x * x - less, x * y, y * y - less]);
         let (mut normal, mut right) = (SMatrix::<f64, 6, 6>::zeros(), SVector::zeros());
@@ -181,8 +181,8 @@ impl BsplinePatch {
         (q, at)
     }
 
-    /// Newton's step of half the square of the distance, whose gradient is q - target - rest g and whose Hessian I + g g' - rest H;
-    /// without H, which is the foot on the tangent plane, where that is not positive definite.
+    /// Newton's step of half the square of the distance, whose gradient is q - target - rest g and whose Hessian I + g g' -
+    /// rest H; without H, which is the foot on the tangent plane, where that is not positive definite.
     fn step_to_foot(&self, q: [f64; 2], at: &Height, target: [f64; 2], height: f64) -> [f64; 2] {
         let (h, g, hess) = at;
         let rest = height - h;

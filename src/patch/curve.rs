@@ -64,9 +64,10 @@ pub struct CurveFoot {
 }
 
 impl Curve {
-    /// The curve of a chain of vertices (closed if its ends are equal) on `supports`: a line or a circle if the chain, or its foot on
-    /// all supports, lies on one and the supports agree halfway between vertices, else the crossing of the supports, else the chain
-    /// itself. That is also taken between sampled surfaces whose samples it consists of: unless an intersection made it (`is_cut`).
+    /// The curve of a chain of vertices (closed if its ends are equal) on `supports`: a line or a circle if the chain, or its
+    /// foot on all supports, lies on one and the supports agree halfway between vertices, else the crossing of the supports,
+    /// else the chain itself. That is also taken between sampled surfaces whose samples it consists of: unless an intersection
+    /// made it (`is_cut`).
     pub fn of_chain(chain: &[Vec3], supports: &[Arc<Support>], is_cut: bool) -> Self {
         let exact = line_through(chain, supports).or_else(|| circle_through(chain, supports));
         if let Some(curve) = exact {
@@ -168,8 +169,8 @@ fn on_planes(point: Vec3, supports: &[Arc<Support>]) -> Vec3 {
     planes.fold(point, |p, s| s.nearest(&p).point)
 }
 
-/// The least step to where the tangent planes of up to three surfaces meet. They cross if their normals span as many directions as
-/// there are surfaces.
+/// The least step to where the tangent planes of up to three surfaces meet. They cross if their normals span as many directions
+/// as there are surfaces.
 fn least_step(point: &Vec3, supports: &[Arc<Support>]) -> Option<Vec3> {
     let plane = |s: &Arc<Support>| {
         let Nearest { point: foot, normal, .. } = s.nearest(point);

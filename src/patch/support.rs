@@ -6,8 +6,8 @@ use super::plane::Plane;
 use crate::geom::Vec3;
 use nalgebra::Matrix3;
 
-/// A direction is straight on a surface if its curvature is below this fraction of the largest: far above rounding, far below what
-/// any facet could show.
+/// A direction is straight on a surface if its curvature is below this fraction of the largest: far above rounding, far below
+/// what any facet could show.
 const STRAIGHT: f64 = 1e-6;
 
 /// A point of a surface with its second-order neighbourhood.

@@ -13,8 +13,9 @@ use std::collections::HashSet;
 const MAX_ERROR: f64 = 0.02;
 
 /// Points that shape a patch: the thesis takes 15 by count; here neighbours are gathered until they also cover this many
-/// times the facet's area (thesis 6.2), at most 30 of them, and, but for the facet's own neighbours, as long as they turn from it by
-/// less than 30 degrees: a patch is a height over the facet's plane, and nine strips of a cylinder would be more than half of it.
+/// times the facet's area (thesis 6.2), at most 30 of them, and, but for the facet's own neighbours, as long as they turn from
+/// it by less than 30 degrees: a patch is a height over the facet's plane, and nine strips of a cylinder would be more than
+/// half of it.
 const POINTS: usize = 15;
 const MOST_POINTS: usize = 30;
 const AREA_FACTOR: f64 = 9.0;
@@ -63,7 +64,8 @@ impl SurfaceSample {
         LocalPatch { shape, width }
     }
 
-    /// What is around a facet of a plane and a width: vertices of the triangles near, and points of the curved edges between them.
+    /// What is around a facet of a plane and a width: vertices of the triangles near, and points of the curved edges between
+    /// them.
     fn surroundings(&self, facet: &[u32], plane: &Plane, width: f64) -> Surroundings {
         let triangles = self.near(facet);
         let mut vertices: Vec<u32> = triangles.iter().flat_map(|&t| self.corners(t)).collect();
@@ -152,8 +154,9 @@ impl SurfaceSample {
         m.cross(&n).norm() / (m.norm() * n.norm() * across)
     }
 
-    /// Where the surface passes between the ends of an edge: on a cubic curve with the tangents that the facets around its ends show
-    /// (Vlachos and others, *Curved PN triangles*, 2001), one point for every `width`. None inside a facet, whose edges are chords.
+    /// Where the surface passes between the ends of an edge: on a cubic curve with the tangents that the facets around its ends
+    /// show (Vlachos and others, *Curved PN triangles*, 2001), one point for every `width`. None inside a facet, whose edges
+    /// are chords.
     fn points_along(&self, edge: [u32; 2], width: f64) -> Vec<Vec3> {
         let mut facets = self.beside(edge).map(|t| self.facet_of(t));
         let is_inner = matches!((facets.next(), facets.next(), facets.next()), (Some(f), Some(g), None) if f == g);
@@ -163,7 +166,8 @@ impl SurfaceSample {
         let mean: Vec3 = self.beside(edge).map(|t| self.area_vector(t)).sum();
         let [a, b] = edge.map(|v| self.point(v));
         let d = b - a;
-        // Bezier's points are a, a + (d - m d.m) / 3, b - (d - n d.n) / 3, b. An end that shows nothing bends as the other does.
+        // Bezier's points are a, a + (d - m d.m) / 3, b - (d - n d.n) / 3, b. An end that shows nothing bends as the other
+        // does.
         let [m, n] = edge.map(|v| self.normal_at(v, &mean).map(|n| n * d.dot(&n)));
         let (m, n) = match (m, n) {
             (Some(m), n) => (m, n.unwrap_or(-m)),

@@ -5,7 +5,8 @@ use std::f64::consts::PI;
 
 /// Degrees written by people are multiples of this.
 const WRITTEN_STEPS_PER_DEGREE: f64 = 1000.0;
-/// What conversions between radians, coordinates and degrees lose stays below this (2e-13 rad, far under any contact tolerance).
+/// What conversions between radians, coordinates and degrees lose stays below this (2e-13 rad, far under any contact
+/// tolerance).
 const CONVERSION_LOSS: f64 = 1e-11;
 
 /// The angle that was meant: the nearest thousandth of a degree if it lies within what conversions lose.

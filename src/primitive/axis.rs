@@ -1,7 +1,7 @@
 //! Angular breakpoints belong to the axis: all circles and arcs about one line are divided alike, whoever wrote them.
 //!
-//! The rule. Circles and arcs whose axes agree within the contact tolerance, in either direction, form a group; so do ellipses, which
-//! unequal scales make of them, if they are parallel and similar.
+//! The rule. Circles and arcs whose axes agree within the contact tolerance, in either direction, form a group; so do ellipses,
+//! which unequal scales make of them, if they are parallel and similar.
 //! 1. *Hard* breakpoints are the ends of all arcs and partial sweeps of the group, and the start of a full revolution that was
 //!    written with one; those that agree within the tolerance are one (the earliest leaf's).
 //! 2. The gap between two neighbouring hard breakpoints is divided into equal parts, the fewest that are no longer than the

@@ -23,8 +23,8 @@ const STL_TOLERANCE: f64 = 1e-6;
 const FLAT: f64 = 4.0 * f64::EPSILON;
 /// Edges at which facets turn by more are features (cosine of 40 degrees): coarser curved imports hardly exist.
 const FEATURE_COSINE: f64 = 0.766;
-/// Largest coordinate and smallest size of a file, in the scene's unit: what is written in scenes has narrower limits, but files with
-/// 1e17 exist and can be computed with. Beyond these, determinants of coordinates leave the range of floats.
+/// Largest coordinate and smallest size of a file, in the scene's unit: what is written in scenes has narrower limits, but
+/// files with 1e17 exist and can be computed with. Beyond these, determinants of coordinates leave the range of floats.
 const LARGEST: f64 = 1e30;
 const SMALLEST: f64 = 1e-30;
 /// Places listed in a message.

@@ -1,10 +1,10 @@
 //! Ruled surfaces that are cut into level curves (thesis 2.3.3.2) are cut alike, whoever wrote them and from where to where.
 //!
-//! The rule. Lines turned about an axis and arcs moved along one make cylinders and cones. Those that are one surface, within the
-//! contact tolerance, form a group.
+//! The rule. Lines turned about an axis and arcs moved along one make cylinders and cones. Those that are one surface, within
+//! the contact tolerance, form a group.
 //! 1. If one of a group is to be triangulated, all are.
-//! 2. *Hard* levels are the heights at which a surface of the group begins or ends; those that agree within the tolerance are one
-//!    (the earliest leaf's).
+//! 2. *Hard* levels are the heights at which a surface of the group begins or ends; those that agree within the tolerance are
+//!    one (the earliest leaf's).
 //! 3. The gap between two neighbouring hard levels is divided into equal rows, as many as its chords ask for.
 //! 4. A surface uses all levels between its ends.
 //!

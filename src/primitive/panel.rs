@@ -1,6 +1,7 @@
 //! Doubly curved panels as level curves of triangles (thesis 2.3.3.2): an arc of the profile along an arc of the motion, with
-//! rows at the vertices of the profile. Rows on a rim and at hard vertices use the stations, so that neighbours, and leaves with
-//! only a part of the arc, share them; rows between are free ([`super::rows`]): a torus has fewer chords per row towards its axis.
+//! rows at the vertices of the profile. Rows on a rim and at hard vertices use the stations, so that neighbours, and leaves
+//! with only a part of the arc, share them; rows between are free ([`super::rows`]): a torus has fewer chords per row towards
+//! its axis.
 
 use super::division::check_count;
 use super::outline::{Outline, Run, RunArc};

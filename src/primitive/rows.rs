@@ -1,9 +1,9 @@
 //! Rows of vertices along the breakpoints of an axis, and the triangles between two rows.
 //!
-//! A *sector* reaches from one hard breakpoint to the next. Rows on a rim use its breakpoints; rows between are free: every second
-//! one is shifted by half a chord, and their number of chords follows their length, so that triangles stay near 60 degrees.
-//! Every sector is divided and stitched on its own, in an order that is the axis', not the leaf's: leaves that have it in common
-//! have its triangles in common.
+//! A *sector* reaches from one hard breakpoint to the next. Rows on a rim use its breakpoints; rows between are free: every
+//! second one is shifted by half a chord, and their number of chords follows their length, so that triangles stay near 60
+//! degrees. Every sector is divided and stitched on its own, in an order that is the axis', not the leaf's: leaves that have it
+//! in common have its triangles in common.
 
 use super::angle;
 use super::shell::Shell;

@@ -37,8 +37,8 @@ pub(super) struct Sheet<'a> {
 }
 
 impl Maker<'_> {
-    /// Cuts a ruled surface into triangles; `rim` gives the vertex of a column at the low (0) or the high end (1), `freedom` that
-    /// of vertices between them on the first and the last column.
+    /// Cuts a ruled surface into triangles; `rim` gives the vertex of a column at the low (0) or the high end (1), `freedom`
+    /// that of vertices between them on the first and the last column.
     ///
     /// # Errors
     /// If they are too many.

@@ -8,8 +8,8 @@
 //! | line | one polygon | strips; one polygon for the whole motion if the line lies in the plane of the motion |
 //! | arc | strips | triangles ([`super::panel`]) |
 //!
-//! Curved strips for which there are [`Levels`] become triangles too ([`super::ruled`]). Profile coordinates: x to the right of the direction of
-//! travel, y up, so that a counter-clockwise profile faces backwards.
+//! Curved strips for which there are [`Levels`] become triangles too ([`super::ruled`]). Profile coordinates: x to the right of
+//! the direction of travel, y up, so that a counter-clockwise profile faces backwards.
 
 use super::circle::{Breakpoint, Circle};
 use super::division::check_count;

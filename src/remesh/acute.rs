@@ -4,8 +4,8 @@
 //! Polishing stops where each operation by itself makes some triangle worse. What is left are a few dozen angles just over 90
 //! degrees; yet each of them makes TetGen split some fifteen edges (see `bends`). So here a trial may begin with a step back: a
 //! swap or split near the triangle, legal but bad, then moves and swaps around it, worst vertex first, as in polishing. Four in
-//! five of these angles go so (reference scenes in Full at the deviations of their issue, 23 November; what a change does is seen
-//! in the test below). Cost: a bounded number of trials per facet, each of bounded length.
+//! five of these angles go so (reference scenes in Full at the deviations of their issue, 23 November; what a change does is
+//! seen in the test below). Cost: a bounded number of trials per facet, each of bounded length.
 
 use super::quality::{flaw, is_obtuse, of_flawed};
 use super::workpiece::Workpiece;
@@ -105,8 +105,8 @@ impl Workpiece {
         false
     }
 
-    /// What to begin with, most promising first. What helps in less than one case of thirty is left out: the shorter edges of the
-    /// triangle, edges at the obtuse corner, swaps farther away.
+    /// What to begin with, most promising first. What helps in less than one case of thirty is left out: the shorter edges of
+    /// the triangle, edges at the obtuse corner, swaps farther away.
     fn starts(&self, facet: FacetId, corners: [VertexId; 3]) -> Vec<Start> {
         let own = self.edges_of(&[facet]);
         let Some(&longest) = own.iter().max_by(|&&e, &&f| self.length(e).total_cmp(&self.length(f))) else { return Vec::new() };
@@ -243,8 +243,8 @@ impl Trial<'_> {
         Some(std::iter::once(vertex).chain(self.work.brep.topology.neighbours(vertex)).collect())
     }
 
-    /// Whether the triangles at an edge face the way their surface does, so that all pieces of them have the same sense, and have it
-    /// again when they are undone.
+    /// Whether the triangles at an edge face the way their surface does, so that all pieces of them have the same sense, and
+    /// have it again when they are undone.
     fn is_regular(&self, edge: EdgeId) -> bool {
         let work = &self.work;
         let mut facets = work.brep.topology.facets_around(edge).filter(|&f| work.is_treated(f));

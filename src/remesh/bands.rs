@@ -1,8 +1,8 @@
 //! Which facets are remeshed, and how strips are cut so that only their ends near an intersection are.
 //!
 //! A strip of a cylinder or cone is as long as its side. Where an intersection of facets cuts it, its end is a zigzag about the
-//! true curve: corners where the *other* surface's rulings pass lie in the strip's plane, off the true surface. Only these corners
-//! ask for work. A cut along a ruling, or across whole rulings, leaves planar strips with corners on the true surface.
+//! true curve: corners where the *other* surface's rulings pass lie in the strip's plane, off the true surface. Only these
+//! corners ask for work. A cut along a ruling, or across whole rulings, leaves planar strips with corners on the true surface.
 //!
 //! ```text
 //! ruling ──────────┬───╲        ┬ new vertices, shared with the neighbouring strips, one width from the intersection:
@@ -28,7 +28,8 @@ const DEPTH: f64 = 1.0;
 const LEAST_REST: f64 = 1.0;
 /// A corner nearer to a ruling than this many widths asks for work in the strip beyond, too.
 const LEAST_SIDE: f64 = 0.5;
-/// Distance from the true surface, as a fraction of the model's size, past which a corner is off it: contact moves corners by less.
+/// Distance from the true surface, as a fraction of the model's size, past which a corner is off it: contact moves corners by
+/// less.
 const OFF: f64 = 1e-7;
 
 type Edge = [VertexId; 2];
@@ -50,8 +51,8 @@ impl Choice {
         Self { is_chosen, slides: Vec::new() }
     }
 
-    /// The facets at intersections, after the strips among them have been cut. Pieces keep what their facet had. Cost: linear but
-    /// for sorting.
+    /// The facets at intersections, after the strips among them have been cut. Pieces keep what their facet had. Cost: linear
+    /// but for sorting.
     pub fn near_intersections(complex: &mut Complex, supports: &Supports) -> Self {
         let strips = Strips::of(complex, supports);
         let reach = strips.reach;
@@ -176,8 +177,8 @@ impl<'a> Strips<'a> {
         self.complex.facets[f].surface == self.complex.facets[g].surface && self.is_straight_on(edge, f)
     }
 
-    /// By vertex: whether an intersection of facets put it off one of its surfaces. Not so the ends of a line that is straight on all
-    /// its surfaces: it cuts strips along, and they stay planar if it moves to the true surface.
+    /// By vertex: whether an intersection of facets put it off one of its surfaces. Not so the ends of a line that is straight
+    /// on all its surfaces: it cuts strips along, and they stay planar if it moves to the true surface.
     fn off_vertices(&self) -> Vec<bool> {
         let mut straight: Vec<(VertexId, SurfaceId)> = Vec::new();
         for run in self.facets_of_edge.chunk_by(|a, b| a.0 == b.0) {
@@ -199,8 +200,8 @@ impl<'a> Strips<'a> {
         is_off
     }
 
-    /// By facet: the points around which it is remeshed. Corners off the true surface; where one is near a ruling, its foot there
-    /// for the strip beyond.
+    /// By facet: the points around which it is remeshed. Corners off the true surface; where one is near a ruling, its foot
+    /// there for the strip beyond.
     fn hot_points(&self, is_off: &[bool]) -> BTreeMap<FacetId, Vec<Vec3>> {
         let mut hot: BTreeMap<FacetId, Vec<Vec3>> = BTreeMap::new();
         for (id, facet) in self.complex.facets.enumerate() {

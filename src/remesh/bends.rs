@@ -1,13 +1,13 @@
 //! Makes facets of a surface that lie almost in one plane lie in it, or turns them clear of each other.
 //!
-//! TetGen 1.5 and 1.6 merge neighbouring facets of one marker whose planes differ by less than 0.1 degrees, and the merged facet
-//! encloses another volume. That comes about where a vertex of a band lies almost on a ruling: the triangle at the strip's end is
-//! almost in the strip's plane. Slid onto the ruling, by a hundredth of the edge length, it is in that plane but for rounding:
-//! merging is harmless then, and even wanted, for an edge less is an edge less that TetGen has to keep.
+//! TetGen 1.5 and 1.6 merge neighbouring facets of one marker whose planes differ by less than 0.1 degrees, and the merged
+//! facet encloses another volume. That comes about where a vertex of a band lies almost on a ruling: the triangle at the
+//! strip's end is almost in the strip's plane. Slid onto the ruling, by a hundredth of the edge length, it is in that plane but
+//! for rounding: merging is harmless then, and even wanted, for an edge less is an edge less that TetGen has to keep.
 //!
-//! Most of all where an obtuse angle faces the edge: its corner lies in the edge's diametral sphere, TetGen splits the edge, and the
-//! new vertex encroaches on the edges around. A sphere of acute triangles is meshed without a split; with four obtuse ones 64 edges
-//! were split, and 21 tetrahedra stayed above ratio 2.0.
+//! Most of all where an obtuse angle faces the edge: its corner lies in the edge's diametral sphere, TetGen splits the edge,
+//! and the new vertex encroaches on the edges around. A sphere of acute triangles is meshed without a split; with four obtuse
+//! ones 64 edges were split, and 21 tetrahedra stayed above ratio 2.0.
 
 use super::operators::Effect;
 use super::quality::{RIGHT, cosine_of_degrees};
@@ -30,13 +30,13 @@ const MERGED_SINE: f64 = 2.1e-3;
 /// transformer3 wholly remeshed needs 2 % more tetrahedra.
 const NEAR_SINE: f64 = 0.22;
 /// Harm of a bend that TetGen might merge, of any edge that an obtuse angle faces, and of a bend that a wide angle faces, where
-/// other bends count 1: an edge that an obtuse angle faces is encroached upon by its corner, and TetGen splits it and some fifteen
-/// around.
+/// other bends count 1: an edge that an obtuse angle faces is encroached upon by its corner, and TetGen splits it and some
+/// fifteen around.
 const MERGED_HARM: usize = 100;
 const OBTUSE_HARM: usize = 10;
 const WIDE_HARM: usize = 4;
-/// Cosine of the angle, 45 degrees, that must face an edge for it to be tried: others are short; to leave them out saves a fifth of
-/// the remeshing of transformer3, and needs 1 % more tetrahedra.
+/// Cosine of the angle, 45 degrees, that must face an edge for it to be tried: others are short; to leave them out saves a
+/// fifth of the remeshing of transformer3, and needs 1 % more tetrahedra.
 const FACED_COSINE: f64 = 0.7;
 /// Cosine of the angle from which one is wide, 84 degrees: what is near 90 gets there by the moves of its neighbours.
 const WIDE_COSINE: f64 = 0.1045;
@@ -46,8 +46,8 @@ const COPLANAR: f64 = 1e-13;
 const FLAT_KEEPS: f64 = 40.0;
 /// The same where facets must be kept from being merged: by a move that leaves decent shapes if there is one, else by any.
 const FORCED_KEEPS: [f64; 2] = [30.0, 0.0];
-/// Deviation is measured at the points of a triangle whose barycentric coordinates are multiples of one over this: vertices that
-/// left their surface for a plane add to the chords' deviation between the points that are looked at elsewhere.
+/// Deviation is measured at the points of a triangle whose barycentric coordinates are multiples of one over this: vertices
+/// that left their surface for a plane add to the chords' deviation between the points that are looked at elsewhere.
 const SAMPLES: u32 = 4;
 /// Lengths of slides that are tried, in shortest edges at the vertex, until one helps.
 const SLIDES: [f64; 6] = [0.005, 0.01, 0.02, 0.04, 0.08, 0.16];
@@ -55,8 +55,8 @@ const SLIDES: [f64; 6] = [0.005, 0.01, 0.02, 0.04, 0.08, 0.16];
 const GAP_SHARE: f64 = 0.25;
 /// Newton steps to a plane along a curve; they start at a hundredth of the distance.
 const FOOT_STEPS: usize = 4;
-/// How often: first all edges are looked at, then those around a move, which may bring another edge into trouble. Each move lessens
-/// the harm, so it ends before.
+/// How often: first all edges are looked at, then those around a move, which may bring another edge into trouble. Each move
+/// lessens the harm, so it ends before.
 const PASSES: usize = 8;
 
 /// The worth of a move, smallest best: harm done away with, angles.
@@ -131,8 +131,8 @@ impl Workpiece {
         }
     }
 
-    /// Whether all corners of some facets lie within half of `flat` of one plane: `gsm check` fits its plane by least squares, from
-    /// which one of them may be twice as far.
+    /// Whether all corners of some facets lie within half of `flat` of one plane: `gsm check` fits its plane by least squares,
+    /// from which one of them may be twice as far.
     fn are_in_one_plane(&self, facets: &[FacetId], flat: f64) -> bool {
         let normal = facets.iter().map(|&f| self.area(f)).sum::<Vec3>().normalize();
         let fins = facets.iter().flat_map(|&f| self.brep.topology.fins_of_facet(f));
@@ -204,8 +204,8 @@ impl Workpiece {
         (foot.point - point).norm() <= allowed * self.bound.along(foot.curvature) * self.share(facet)
     }
 
-    /// What the triangles around a vertex become if it moves there; `None` if that is not allowed, or if an angle gets smaller than
-    /// it was and than `keeps` degrees.
+    /// What the triangles around a vertex become if it moves there; `None` if that is not allowed, or if an angle gets smaller
+    /// than it was and than `keeps` degrees.
     fn bent(&self, vertex: VertexId, ring: &Ring, to: &Vec3, keeps: f64) -> Option<Measure> {
         let before = ring.before;
         let floor = before.cosine.max(cosine_of_degrees(keeps));
@@ -410,8 +410,8 @@ impl Bends<'_> {
         });
     }
 
-    /// Places of a vertex in the planes of those facets at an edge that it is not a corner of: the feet, or, on a curve, where the
-    /// curve passes through.
+    /// Places of a vertex in the planes of those facets at an edge that it is not a corner of: the feet, or, on a curve, where
+    /// the curve passes through.
     fn feet(&self, vertex: VertexId, edge: EdgeId) -> Vec<Vec3> {
         let [start, end] = self.work.brep.topology.ends(edge);
         if vertex == start || vertex == end {

@@ -1,5 +1,5 @@
-//! Sharp edges of imported surfaces: each smooth piece becomes a surface of its own while the model is remeshed (thesis 6.2 leaves
-//! sharp features of acquired models to future work).
+//! Sharp edges of imported surfaces: each smooth piece becomes a surface of its own while the model is remeshed (thesis 6.2
+//! leaves sharp features of acquired models to future work).
 
 use crate::brep::complex::Complex;
 use crate::geom::Vec3;

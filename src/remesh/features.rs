@@ -10,8 +10,8 @@ use crate::patch::support::Support;
 use crate::primitive::solid::Freedom;
 use std::sync::Arc;
 
-/// A chain that turns by more than this at a vertex (80 degrees) has a corner there. Coarse circles turn less: 45 degrees with 8
-/// segments.
+/// A chain that turns by more than this at a vertex (80 degrees) has a corner there. Coarse circles turn less: 45 degrees with
+/// 8 segments.
 const CORNER_COSINE: f64 = 0.17;
 
 /// Sine below which two surfaces along a chain count as one (tangent or coincident): they do not define a curve.

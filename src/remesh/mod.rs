@@ -5,27 +5,27 @@
 //! surfaces, markers and interfaces. Planar facets stay polygons.
 //!
 //! 1. Supports: `patch` gives every curved surface its true shape, before anything changes.
-//! 2. What is remeshed (`bands`): all curved facets, or those near curves that an intersection made; strips are cut across there.
-//!    These facets are divided into triangles (`Brep::divide_facet`).
+//! 2. What is remeshed (`bands`): all curved facets, or those near curves that an intersection made; strips are cut across
+//!    there. These facets are divided into triangles (`Brep::divide_facet`).
 //! 3. Feature edges (`features`) are chained between corners; every chain gets its true curve, every vertex its place: corner,
 //!    on a curve, on a surface. A vertex of an intersection is projected on all surfaces at once.
 //! 4. Sizes (`sizing`): the edge length whose chord has the allowed deviation, limited by parts and thin gaps, graded.
-//! 5. Rounds (`schedule`): collapse chords of curves that are too short; split what is too long, longest first and rulings before
-//!    what crosses them, with swaps around each new vertex; collapse what is too short, shortest first; bring vertices home onto
-//!    their curves and surfaces; swap; move vertices to the middle. From the second round on, lengths beside curves fit the chords
-//!    that had to stay.
-//! 6. Polish (`polish`), worst triangle first: the one of swap, collapse and relocation (`ring`: a pattern search) that raises the
-//!    smallest angle around most.
+//! 5. Rounds (`schedule`): collapse chords of curves that are too short; split what is too long, longest first and rulings
+//!    before what crosses them, with swaps around each new vertex; collapse what is too short, shortest first; bring vertices
+//!    home onto their curves and surfaces; swap; move vertices to the middle. From the second round on, lengths beside curves
+//!    fit the chords that had to stay.
+//! 6. Polish (`polish`), worst triangle first: the one of swap, collapse and relocation (`ring`: a pattern search) that raises
+//!    the smallest angle around most.
 //! 7. Thin out: collapse what shape and deviation do not need; split what still deviates too far; polish.
 //! 8. Obtuse triangles that are left: trials that begin with a step back, kept if the angles gain (`acute`).
 //! 9. Neighbouring facets almost in one plane are brought into it, or turned clear of it, and become polygons (`bends`).
 //! 10. Planar facets get new triangulations, and an exact test proves that nothing meets anything (`verify`). Surfaces at fault
-//!     are remeshed again with half the deviation, then without their facets there, as where needles are left; if nothing helps, the
-//!     complex stays as evaluated.
+//!     are remeshed again with half the deviation, then without their facets there, as where needles are left; if nothing
+//!     helps, the complex stays as evaluated.
 //!     Polygons of which TetGen would die are cut (`straight`).
 //!
-//! Every operation (`operators`) is a short sequence of Euler operators of the kernel (`brep::local`), planned and judged before
-//! it is applied: nothing flips against the support, no deviation grows past the bound, planar facets beside stay simple
+//! Every operation (`operators`) is a short sequence of Euler operators of the kernel (`brep::local`), planned and judged
+//! before it is applied: nothing flips against the support, no deviation grows past the bound, planar facets beside stay simple
 //! (`polygons`, exact signs), freedoms are kept. Cost: linear in the number of edges, up to the queues' logarithm.
 //!
 //! Departures from the thesis, and why:
@@ -79,8 +79,8 @@ use workpiece::Workpiece;
 
 type Supports = IdVec<SurfaceId, Option<Arc<Support>>>;
 
-/// Attempts at most; each one gives up something where facets met in the one before. An import with many grazing cuts took eight,
-/// most of them broken off early.
+/// Attempts at most; each one gives up something where facets met in the one before. An import with many grazing cuts took
+/// eight, most of them broken off early.
 const ATTEMPTS: usize = 12;
 /// Share of the deviation bound of surfaces on which facets met.
 const CLOSER_SHARE: f64 = 0.5;
@@ -134,13 +134,14 @@ struct Retreat {
     /// By surface: share of the deviation bound that it may use.
     shares: Vec<f64>,
     choice: Choice,
-    /// How far from the places facets are given up, in sizes of the place: each time twice as far, so that it comes to an end soon.
+    /// How far from the places facets are given up, in sizes of the place: each time twice as far, so that it comes to an end
+    /// soon.
     round: f64,
 }
 
 impl Retreat {
-    /// A surface whose facets meet others for the first time is to keep closer to its true shape, if that is known; after that, and
-    /// where there are needles, its facets stay as they are. Whether anything was given up.
+    /// A surface whose facets meet others for the first time is to keep closer to its true shape, if that is known; after that,
+    /// and where there are needles, its facets stay as they are. Whether anything was given up.
     fn give_up(&mut self, faults: &[Fault], complex: &Complex, supports: &Supports) -> bool {
         let is_exact = |s: SurfaceId| supports[s].as_ref().is_some_and(|s| !s.is_fitted());
         let is_new = |f: &&Fault| f.is_contact && self.shares[f.surface.index()] == 1.0 && is_exact(f.surface);

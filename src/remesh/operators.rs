@@ -14,9 +14,9 @@ use crate::ids::{FacetId, Id, VertexId};
 use crate::patch::curve::Curve;
 use crate::primitive::solid::Freedom;
 
-/// Least gain, in the cosine of the smallest angle (a quarter of a degree), for which an angle is raised: without it, a patch would
-/// creep towards its best shape in endless tiny steps. For needles, of less than 10 degrees, a tenth of the angle: then 1 - cosine
-/// grows by a fifth.
+/// Least gain, in the cosine of the smallest angle (a quarter of a degree), for which an angle is raised: without it, a patch
+/// would creep towards its best shape in endless tiny steps. For needles, of less than 10 degrees, a tenth of the angle: then 1
+/// - cosine grows by a fifth.
 const LEAST_GAIN: f64 = 3e-3;
 const NEEDLE_GAIN: f64 = 0.2;
 
@@ -85,8 +85,8 @@ impl Workpiece {
         Some((place, at))
     }
 
-    /// Where to split an edge: in the middle, but a chord of a curved feature so that, split again, its pieces become equal and as long
-    /// as wanted. Straight ones are halved as the rulings beside them are: their vertices make rows.
+    /// Where to split an edge: in the middle, but a chord of a curved feature so that, split again, its pieces become equal and
+    /// as long as wanted. Straight ones are halved as the rulings beside them are: their vertices make rows.
     fn share_of_split(&self, edge: EdgeId) -> f64 {
         let is_bent = self.curve_of(edge).is_some_and(|c| !matches!(self.curves[c], Curve::Line { .. }));
         let pieces = if is_bent { self.relative_length(edge).round().max(2.0) } else { 2.0 };
@@ -149,8 +149,8 @@ impl Workpiece {
 
 /// Collapse.
 impl Workpiece {
-    /// What contracting an edge onto its other end would do; `None` if topology, freedoms or polygons forbid it or an angle gets so
-    /// small that its cosine passes `limit`.
+    /// What contracting an edge onto its other end would do; `None` if topology, freedoms or polygons forbid it or an angle
+    /// gets so small that its cosine passes `limit`.
     pub fn plan_collapse(&self, edge: EdgeId, gone: VertexId, limit: f64) -> Option<(Collapse, Effect)> {
         let kept = self.brep.topology.other_end(edge, gone);
         match self.place(gone) {
@@ -219,7 +219,8 @@ impl Workpiece {
 
 /// Swap.
 impl Workpiece {
-    /// What replacing an edge by the other diagonal would do; `None` if topology forbids it or it helps neither shape nor deviation.
+    /// What replacing an edge by the other diagonal would do; `None` if topology forbids it or it helps neither shape nor
+    /// deviation.
     pub fn plan_swap(&self, edge: EdgeId) -> Option<(Swap, Effect)> {
         self.plan_swap_if(edge, true)
     }

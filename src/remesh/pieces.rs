@@ -36,7 +36,8 @@ struct Placed {
     is_opening: bool,
 }
 
-/// The facet with the marks of its edges, cut in pieces where marks of two edges bound the same band; whole if it cannot be cut.
+/// The facet with the marks of its edges, cut in pieces where marks of two edges bound the same band; whole if it cannot be
+/// cut.
 pub(super) fn cut_facet(mut facet: ComplexFacet, marks: &Marks, points: &[Vec3]) -> Vec<ComplexFacet> {
     let mut placed = Vec::new();
     for walk in facet.loops.iter_mut().filter(|l| l.len() > 2) {
@@ -69,8 +70,8 @@ pub(super) fn cut_at(facet: ComplexFacet, corners: &[VertexId], points: &[Vec3])
     pieces(&facet, &triangles, &chords).unwrap_or_else(|| triangles_of(&facet).collect())
 }
 
-/// Chords from a corner of the outer loop to its others: those that cut off no triangle first, and of these the one that leaves the
-/// largest angles.
+/// Chords from a corner of the outer loop to its others: those that cut off no triangle first, and of these the one that leaves
+/// the largest angles.
 fn chords_from(loops: &[Vec<VertexId>], corner: VertexId, points: &[Vec3]) -> Vec<[VertexId; 2]> {
     let walk = &loops[0];
     let n = walk.len();

@@ -35,8 +35,8 @@ type Point = [f64; 2];
 
 impl Workpiece {
     /// Whether a polygon stays simple, with every hole and every vertex on the same side of its borders: no new border edge
-    /// touches another edge, and no vertex lies in the area that the border sweeps over. Exact signs in the dominant projection. Nor
-    /// may corners come so near to each other that what hangs on them becomes a needle.
+    /// touches another edge, and no vertex lies in the area that the border sweeps over. Exact signs in the dominant
+    /// projection. Nor may corners come so near to each other that what hangs on them becomes a needle.
     pub fn polygon_stays_simple(&self, facet: FacetId, change: Change) -> bool {
         let walks: Vec<Vec<VertexId>> =
             self.brep.topology.loops(facet).map(|l| self.brep.topology.corners(l).collect()).collect();

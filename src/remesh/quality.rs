@@ -2,15 +2,17 @@
 
 use crate::geom::Vec3;
 
-/// What an angle of 90 degrees counts as, when obtuse angles count: a smallest angle of 42 degrees, about what polishing aims at.
+/// What an angle of 90 degrees counts as, when obtuse angles count: a smallest angle of 42 degrees, about what polishing aims
+/// at.
 const OBTUSE_BASE: f64 = 0.74;
 
-/// Cosine of the largest angle of a triangle from which it has a flaw, 88.9 degrees: what is near 90 passes it by the next move.
+/// Cosine of the largest angle of a triangle from which it has a flaw, 88.9 degrees: what is near 90 passes it by the next
+/// move.
 const FLAWED: f64 = 0.02;
 /// Cosine of the smallest angle below which it has one, 39 degrees.
 const SMALL: f64 = 0.777;
-/// The flaw of an angle just wide enough: one flaw a little larger is better than two. And that of a small angle against that of a
-/// wide one, by their cosines: TetGen splits edges for wide ones only, but users look at small ones.
+/// The flaw of an angle just wide enough: one flaw a little larger is better than two. And that of a small angle against that
+/// of a wide one, by their cosines: TetGen splits edges for wide ones only, but users look at small ones.
 const ANY_FLAW: f64 = 0.025;
 const SMALL_WEIGHT: f64 = 10.0;
 /// Cosine of the angle up to which one is right, not obtuse: halves of rectangles are fine (90.06 degrees).

@@ -93,7 +93,8 @@ impl Workpiece {
         Ring { work: self, hub: Hub::Vertex(vertex), place, here, spokes, curve, polygons, before }.finished()
     }
 
-    /// The ring of the vertex that splitting an edge would put there; every facet around that is not treated counts as a polygon.
+    /// The ring of the vertex that splitting an edge would put there; every facet around that is not treated counts as a
+    /// polygon.
     pub fn ring_of_split(&self, edge: EdgeId, place: Place, here: Vec3) -> Ring<'_> {
         let ends = self.brep.topology.ends(edge);
         let (mut spokes, mut polygons) = (Vec::with_capacity(4), Vec::new());
@@ -149,8 +150,8 @@ impl Ring<'_> {
         cosines.fold(Measure::BEST.cosine, f64::max)
     }
 
-    /// What moving the vertex would do; `None` if polygons forbid it, a triangle turns over, the deviation passes `excess`, or an
-    /// angle gets so small that its cosine passes `limit`.
+    /// What moving the vertex would do; `None` if polygons forbid it, a triangle turns over, the deviation passes `excess`, or
+    /// an angle gets so small that its cosine passes `limit`.
     pub fn plan(&self, to: &Vec3, limit: f64, excess: f64) -> Option<Effect> {
         // Shapes first: they cost a tenth of a look at the supports.
         if self.is_sharper(to, limit) {
@@ -164,8 +165,8 @@ impl Ring<'_> {
         let mut after = Measure { cosine, ..Measure::BEST };
         for spoke in &self.spokes {
             let Some(area) = &spoke.area else { continue };
-            // Of the edges only the one that follows the vertex is looked at: around it each edge follows it in one triangle, and
-            // the others do not change.
+            // Of the edges only the one that follows the vertex is looked at: around it each edge follows it in one triangle,
+            // and the others do not change.
             let next = spoke.corners[(spoke.at + 1) % 3];
             let (deviation, is_flipped) = area.deviation(&self.work.bound, &spoke.moved(to), &[(to + next) * 0.5]);
             after.excess = after.excess.max(deviation);
@@ -183,8 +184,9 @@ impl Ring<'_> {
         is_clear.then_some(Effect { before: self.before, after })
     }
 
-    /// The directions in which the smallest angle does not fall at once from a place. As a function of the place it is quasi-concave:
-    /// in the others it is no larger farther away either. With obtuse angles counted that is nearly so; what is missed is little.
+    /// The directions in which the smallest angle does not fall at once from a place. As a function of the place it is
+    /// quasi-concave: in the others it is no larger farther away either. With obtuse angles counted that is nearly so; what is
+    /// missed is little.
     fn promising(&self, directions: &[Vec3], shortest: f64, (here, effect): &(Vec3, Effect)) -> Vec<Vec3> {
         let step = LEAST_STEP * shortest;
         directions.iter().filter(|d| !self.is_sharper(&(here + *d * step), effect.after.cosine)).copied().collect()

@@ -15,8 +15,8 @@ use std::collections::BinaryHeap;
 pub(super) const LONG: f64 = 1.4;
 pub(super) const SHORT: f64 = 0.7;
 
-/// Urgency of an edge across the rulings of its surface, against one that is straight there: a diagonal of a long strip is swapped to
-/// a short one once the rulings beside it are split, while splitting it first puts vertices inside the strip.
+/// Urgency of an edge across the rulings of its surface, against one that is straight there: a diagonal of a long strip is
+/// swapped to a short one once the rulings beside it are split, while splitting it first puts vertices inside the strip.
 const ACROSS: f64 = 0.5;
 
 /// How much longer than before an edge that is too long already may get by a collapse beside it.
@@ -32,12 +32,12 @@ const THIN_KEEPS: f64 = 40.0;
 /// Deviation, as a multiple of the bound, that a collapse for size may leave behind: the swaps, moves and splits that follow
 /// bring it down again.
 const LOOSE: f64 = 1.5;
-/// What rounding may add to a deviation of just the bound; and the length, in wanted lengths, below which an edge is not split for
-/// its deviation: it cannot get better there.
+/// What rounding may add to a deviation of just the bound; and the length, in wanted lengths, below which an edge is not split
+/// for its deviation: it cannot get better there.
 const EXCESS_ROUNDING: f64 = 1e-9;
 const LEAST_SPLIT: f64 = 0.5;
-/// Wanted length over that of the chords of a curve which stay. The chord's relative length, 0.8, is in the middle of what is neither
-/// split nor collapsed.
+/// Wanted length over that of the chords of a curve which stay. The chord's relative length, 0.8, is in the middle of what is
+/// neither split nor collapsed.
 const PER_CHORD: f64 = 1.25;
 /// Least drop of such a deviation for which an edge is swapped.
 const LEAST_DROP: f64 = 0.05;
@@ -47,9 +47,9 @@ const THIN_BELOW: f64 = 1.1;
 const THIN_LONGEST: f64 = 1.5;
 const THIN_ROUNDS: usize = 3;
 
-/// Weights of obtuse angles: in polishing and where obtuse triangles are mended at last; in the last polish and for bends. TetGen cuts
-/// edges that see an obtuse angle. Without them in the last polish, the least angles are a degree larger, and a tenth more tetrahedra
-/// are needed.
+/// Weights of obtuse angles: in polishing and where obtuse triangles are mended at last; in the last polish and for bends.
+/// TetGen cuts edges that see an obtuse angle. Without them in the last polish, the least angles are a degree larger, and a
+/// tenth more tetrahedra are needed.
 const OBTUSE: [f64; 2] = [0.5, 0.25];
 
 /// Operations per edge at most in one pass: passes end long before, this bounds them on any input.
@@ -71,7 +71,8 @@ impl<I: Id> Queue<I> {
 }
 
 impl Workpiece {
-    /// The whole remeshing of the treated facets; false if it was broken off, because facets meet where their surfaces are a guess.
+    /// The whole remeshing of the treated facets; false if it was broken off, because facets meet where their surfaces are a
+    /// guess.
     pub fn run(&mut self, limits: &Limits) -> bool {
         self.settle();
         for round in 0..ROUNDS {
@@ -142,8 +143,8 @@ impl Workpiece {
         self.grade_sizes();
     }
 
-    /// Lowers the sizes at curves whose chords are shorter than wanted, but cannot be collapsed: triangles beside them are to be as
-    /// long as these are wide.
+    /// Lowers the sizes at curves whose chords are shorter than wanted, but cannot be collapsed: triangles beside them are to
+    /// be as long as these are wide.
     fn fit_sizes_to_chords(&mut self) {
         for v in self.active_vertices() {
             if !matches!(self.place(v), Place::Curve(_)) {
@@ -268,8 +269,8 @@ impl Workpiece {
         );
     }
 
-    /// Collapses edges shorter than `below` wanted lengths, unless an edge longer than `longest` or an angle with a cosine past `limit`
-    /// would arise.
+    /// Collapses edges shorter than `below` wanted lengths, unless an edge longer than `longest` or an angle with a cosine past
+    /// `limit` would arise.
     fn collapse_while(
         &mut self,
         below: f64,
@@ -336,7 +337,8 @@ impl Workpiece {
         }
     }
 
-    /// Splits edges that are further from their curve or surface than allowed, and the longest ones of triangles that are; how many.
+    /// Splits edges that are further from their curve or surface than allowed, and the longest ones of triangles that are; how
+    /// many.
     fn split_deviating(&mut self) -> usize {
         let mut count = 0;
         for edge in self.active_edges() {

@@ -29,16 +29,16 @@ const LEAST_SIZE: f64 = 1e-4;
 /// Wanted length as a fraction of the model's size from which a place is taken for no apex.
 const LARGE_SIZE: f64 = 0.1;
 
-/// The default bound over the mean deviation of the facets as evaluated: their chords touch the surface along rulings, triangles of
-/// that size only in corners. At 1.5 triangles are as wide as the strips were; with 1, TetGen needs a third more tetrahedra, with 2
-/// no fewer. (Gmsh and Netgen leave 1.5 to 2.5 times the chord error.)
+/// The default bound over the mean deviation of the facets as evaluated: their chords touch the surface along rulings,
+/// triangles of that size only in corners. At 1.5 triangles are as wide as the strips were; with 1, TetGen needs a third more
+/// tetrahedra, with 2 no fewer. (Gmsh and Netgen leave 1.5 to 2.5 times the chord error.)
 const EASE: f64 = 1.5;
 
 /// The default bound follows the curvature (equation 4.1) within this factor of its mean.
 const BOUND_RANGE: f64 = 4.0;
 
-/// Shortest edges over the distance of the points by which a surface is known, where the user or a gap asks for short ones: there is
-/// nothing finer to be followed.
+/// Shortest edges over the distance of the points by which a surface is known, where the user or a gap asks for short ones:
+/// there is nothing finer to be followed.
 const FINEST: f64 = 0.25;
 
 /// A slide by a few hundredths of an edge changes its deviation by this factor at most.
@@ -68,8 +68,8 @@ impl Bound {
         }
     }
 
-    /// Shortest length that makes sense where a surface is known by points that are so far apart: no less than that, unless the user
-    /// wants it finer.
+    /// Shortest length that makes sense where a surface is known by points that are so far apart: no less than that, unless the
+    /// user wants it finer.
     pub fn finest(&self, spacing: f64) -> f64 {
         match self {
             Self::Fixed(_) => FINEST * spacing,
@@ -249,7 +249,8 @@ impl Workpiece {
         let Some(away) = middle.try_normalize(0.0) else { return here };
         // Fixed point of length = length_at(distance length); a square root near an apex, so that few steps do.
         let mut length = length_at(&(point + away * here));
-        // Only where the size grows fast, that is at an apex. On a cone the first step tells: the square of a length grows linearly.
+        // Only where the size grows fast, that is at an apex. On a cone the first step tells: the square of a length grows
+        // linearly.
         if length < 2.0 * here {
             return here;
         }

@@ -1,7 +1,7 @@
 //! Polygons that TetGen can take: planar, and without corners that are straight but for rounding, of which TetGen 1.5 dies.
 //!
-//! A plane beside remeshed facets has such corners on its straight edges. It is cut from there across; all pieces lie in one plane,
-//! and TetGen merges them.
+//! A plane beside remeshed facets has such corners on its straight edges. It is cut from there across; all pieces lie in one
+//! plane, and TetGen merges them.
 
 use super::pieces::cut_at;
 use crate::brep::complex::{Complex, ComplexFacet};
@@ -15,8 +15,8 @@ use crate::round::PLANAR_ULPS;
 /// Sine of the turn below which a corner counts as straight.
 const STRAIGHT_SINE: f64 = 1e-9;
 
-/// Divides polygons that are no longer planar, strips beside curves that moved to the true surface, into their triangles, which are
-/// planar always, and cuts those with nearly straight corners.
+/// Divides polygons that are no longer planar, strips beside curves that moved to the true surface, into their triangles, which
+/// are planar always, and cuts those with nearly straight corners.
 pub(super) fn cut_unsound(complex: &mut Complex) {
     let points: Vec<Vec3> = complex.vertices.iter().map(|v| v.point).collect();
     let extent = Aabb::around(&points).diagonal();

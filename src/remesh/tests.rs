@@ -96,8 +96,8 @@ fn cylinder_gets_good_triangles_within_the_deviation() {
     let after = remesh(before, &full(deviation), &IdVec::new()).unwrap();
     let (least, good, count) = quality(&after);
     let ideal = std::f64::consts::TAU * height / (6.0 * deviation) * 3f64.sqrt();
-    // The aim is 1.5 times the ideal number. Here it is missed: the 24 chords of the rims are 0.74 wanted lengths long, just too
-    // long to be collapsed, and the triangles between follow them.
+    // The aim is 1.5 times the ideal number. Here it is missed: the 24 chords of the rims are 0.74 wanted lengths long, just
+    // too long to be collapsed, and the triangles between follow them.
     let share = count as f64 / ideal;
     assert!(least >= 30.0 && good >= 0.97 && share < 2.0, "{least} degrees, {good} above 40, {share} of the ideal number");
     let exact = std::f64::consts::PI * radius * radius * height;

@@ -1,7 +1,7 @@
 //! The last word on a remeshed model: planar facets triangulated again, and an exact test that nothing meets anything.
 //!
-//! Operators look at the triangles around them and at the polygons beside, not at surfaces across a gap. So the whole is proved at
-//! the end, and where it fails the surfaces involved are remeshed closer to their true shape, or not at all there.
+//! Operators look at the triangles around them and at the polygons beside, not at surfaces across a gap. So the whole is proved
+//! at the end, and where it fails the surfaces involved are remeshed closer to their true shape, or not at all there.
 
 use super::quality::is_needle;
 use super::workpiece::Workpiece;
@@ -13,7 +13,8 @@ use crate::ids::{FacetId, SurfaceId, VertexId};
 /// Violations looked at; the rest shows in the next attempt.
 const MANY: usize = 1000;
 
-/// Sine of the smallest angle of a triangle that is worse than none (one degree): left as a strip, the surface has no needles there.
+/// Sine of the smallest angle of a triangle that is worse than none (one degree): left as a strip, the surface has no needles
+/// there.
 const POOR_SINE: f64 = 0.0175;
 
 /// A place where a remeshed model is no complex, or worse than the evaluated one.

@@ -35,8 +35,8 @@ pub(super) enum Place {
 /// small circles tilt a lot).
 const FLIPPED_COSINE: f64 = 0.26;
 
-/// Sine of the smallest angle below which a triangle is a needle: it has no side that faces anywhere, and folds over if its vertices
-/// move by rounding (0.006 degrees; what features need is made by the evaluator, and stays).
+/// Sine of the smallest angle below which a triangle is a needle: it has no side that faces anywhere, and folds over if its
+/// vertices move by rounding (0.006 degrees; what features need is made by the evaluator, and stays).
 pub(super) const NEEDLE_SINE: f64 = 1e-4;
 
 /// What a triangle is like, or would be.
@@ -74,8 +74,8 @@ pub(super) struct Area<'a> {
 }
 
 impl Area<'_> {
-    /// The largest distance of a triangle's centre and of some other points from the support, as a fraction of what is allowed, and
-    /// whether the triangle faces the wrong way.
+    /// The largest distance of a triangle's centre and of some other points from the support, as a fraction of what is allowed,
+    /// and whether the triangle faces the wrong way.
     pub fn deviation(&self, bound: &Bound, [a, b, c]: &[Vec3; 3], points: &[Vec3]) -> (f64, bool) {
         let normal = (b - a).cross(&(c - a)) * self.sense;
         let center = (a + b + c) / 3.0;

@@ -38,8 +38,8 @@ pub fn weld(mut facets: Loops, places: &[Vec3], explicit: usize, reach: f64) -> 
 }
 
 /// Makes the loops of one facet simple again. An edge walked in both directions bounds nothing there: it, and a loop that
-/// collapsed to a point, is a place where something touches, and stays if it lies inside. A loop is cut where it visits a vertex
-/// twice. What the facet covers stays the same.
+/// collapsed to a point, is a place where something touches, and stays if it lies inside. A loop is cut where it visits a
+/// vertex twice. What the facet covers stays the same.
 pub fn tidy(facet: &mut Vec<Vec<u32>>, points: &[Vec3]) {
     if facet.iter().all(|walk| walk.len() >= 3) && !has_repeats(facet) {
         return;

@@ -24,8 +24,8 @@ const MAX_CUTS: usize = 6;
 type Triangles = Result<Vec<[u32; 3]>, PolygonError>;
 
 /// Triangulates every facet that has loops. Where rounding pushed a vertex onto or through an edge of its own facet, the vertex
-/// becomes one of that edge in all facets ([`touching`]). Facets whose vertices do not lie within `flatness` of their plane, and
-/// those that fall apart, become one piece per triangle.
+/// becomes one of that edge in all facets ([`touching`]). Facets whose vertices do not lie within `flatness` of their plane,
+/// and those that fall apart, become one piece per triangle.
 ///
 /// # Errors
 /// If edges of a facet cross far from their ends.

@@ -4,13 +4,14 @@
 //!
 //! # Steps
 //! 1. `dissolve`: vertices left in the middle of a straight edge go.
-//! 2. Every point is rounded once, to the nearest `f64`; intersection points within 4 units in the last place of the model's size
-//!    of another vertex become that vertex, and facets that collapse go (`collapse`).
+//! 2. Every point is rounded once, to the nearest `f64`; intersection points within 4 units in the last place of the model's
+//!    size of another vertex become that vertex, and facets that collapse go (`collapse`).
 //! 3. `facets`: every polygon is triangulated over its vertices; a polygon that is not planar to rounding (contact moved its
 //!    vertices within the tolerance) is written as its triangles. Where an edge passes through a vertex of its own facet, the
 //!    vertex becomes one of the edge (`touching`).
 //! 4. `verify`: the triangles are tested exactly against each other, and the order of the facets around every edge. What the
-//!    rounded facets enclose are the volumes: rounding may close a neck, or put an edge into another facet, which then lists it.
+//!    rounded facets enclose are the volumes: rounding may close a neck, or put an edge into another facet, which then lists
+//!    it.
 //! 5. `repair`: where that fails, the rounded triangles are cut against each other and rounded again. What fails in the end is
 //!    reported to the caller: a broken complex is never taken for a valid one.
 //! 6. `regions`: volumes are joined across nested components by exact rays, and numbered.
@@ -104,8 +105,8 @@ pub fn round(
     Ok(Rounded::Valid { complex, repairs })
 }
 
-/// Cuts the facets again until they are a complex; what they enclose, or where they still are none in the end. `parts` are those
-/// of the volumes that are the sides of facets, and become those of regions if something is cut.
+/// Cuts the facets again until they are a complex; what they enclose, or where they still are none in the end. `parts` are
+/// those of the volumes that are the sides of facets, and become those of regions if something is cut.
 fn settle(
     complex: &mut Complex,
     parts: &mut Vec<Option<PartId>>,

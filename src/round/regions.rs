@@ -83,8 +83,8 @@ fn measure(shell: &mut Shell, complex: &Complex) {
     }
 }
 
-/// The smallest shell of the same part that encloses shell `s`; itself if rounding has hardly left anything of its volume; `None`
-/// if it lies in the outside.
+/// The smallest shell of the same part that encloses shell `s`; itself if rounding has hardly left anything of its volume;
+/// `None` if it lies in the outside.
 fn enclosing(complex: &Complex, shells: &[Shell], s: usize, reach: f64) -> Result<Option<usize>, Diagnostic> {
     let mine = &shells[s];
     let mut candidates: Vec<usize> = (0..shells.len())

@@ -1,8 +1,8 @@
 //! Vertices that rounding pushed onto or through an edge of their own facet become vertices of that edge.
 //!
-//! Two segments that do not meet are nearest in an end of one of them. If the ends move by a few units in the last place and the
-//! segments meet then, one of the ends is that near to the other segment: cutting edges at near vertices undoes every crossing.
-//! It is done in all facets of the edge, so that they still close.
+//! Two segments that do not meet are nearest in an end of one of them. If the ends move by a few units in the last place and
+//! the segments meet then, one of the ends is that near to the other segment: cutting edges at near vertices undoes every
+//! crossing. It is done in all facets of the edge, so that they still close.
 
 use super::collapse::{self, Loops};
 use super::facets::{self, Piece};

@@ -1,5 +1,5 @@
-//! Whether rounded facets are a complex: they meet in whole shared vertices and edges only, and around every edge the sides that
-//! face each other belong to one part.
+//! Whether rounded facets are a complex: they meet in whole shared vertices and edges only, and around every edge the sides
+//! that face each other belong to one part.
 //!
 //! The first does not follow from the second nor the second from the first: a triangle one unit in the last place wide, turned
 //! over about an edge that it shares, meets nothing that it must not, but faces the wrong part.

@@ -85,8 +85,8 @@ fn exact_axis(mut linear: Matrix3<f64>, axis: Vec3, c: f64) -> Matrix3<f64> {
     linear
 }
 
-/// Sine and cosine of an angle in degrees: exact for multiples of 90, the nearest numbers for multiples of 30 and 45, and exactly
-/// symmetric.
+/// Sine and cosine of an angle in degrees: exact for multiples of 90, the nearest numbers for multiples of 30 and 45, and
+/// exactly symmetric.
 pub(super) fn sin_cos(degrees: f64) -> (f64, f64) {
     let turned = libm::fmod(degrees, 360.0);
     let quadrant = libm::rint(turned / 90.0);

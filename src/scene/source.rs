@@ -1,7 +1,7 @@
 //! The scene text: pieces of it that `ron` has accepted, with their places.
 //!
-//! A [`Raw`] is one RON value as it stands in the text. It is read into a type only when it is needed, so that each value has an
-//! exact place, and a fault in one does not hide those in the others. Reading the values of a node once each costs
+//! A [`Raw`] is one RON value as it stands in the text. It is read into a type only when it is needed, so that each value has
+//! an exact place, and a fault in one does not hide those in the others. Reading the values of a node once each costs
 //! O(text x depth) in all, which [`MAX_WORK`] bounds.
 
 use super::fault;
@@ -15,8 +15,8 @@ const MAX_DEPTH: usize = 4600;
 /// Bytes read in all, so that deep nesting of a long text cannot take minutes (2^28 bytes take a few seconds).
 const MAX_WORK: usize = 1 << 28;
 
-/// The name by which `ron` is asked for the text of a value that it has parsed. This is what `ron::value::RawValue` does; that type
-/// parses the text once more, and there allows a depth of 128 only.
+/// The name by which `ron` is asked for the text of a value that it has parsed. This is what `ron::value::RawValue` does; that
+/// type parses the text once more, and there allows a depth of 128 only.
 const RAW_VALUE: &str = "$ron::private::RawValue";
 
 /// One RON value as it stands in the text.

@@ -10,8 +10,8 @@ use crate::ids::{Id, LeafId, MarkerId};
 /// Walks up to which comparing all pairs is faster than sorting.
 const SHORT_WALK: usize = 16;
 
-/// `source_of`: for each retained piece, which of its owners it counts as a piece of. Merges across every edge at which exactly two retained pieces meet that come from the same facet, and have the same volumes in
-/// front and behind and the same marker.
+/// `source_of`: for each retained piece, which of its owners it counts as a piece of. Merges across every edge at which exactly
+/// two retained pieces meet that come from the same facet, and have the same volumes in front and behind and the same marker.
 pub fn merge(
     arrangement: &Arrangement,
     edges: &EdgeUses,
@@ -140,8 +140,8 @@ fn put_outer_first(arrangement: &Arrangement, loops: &mut [Vec<u32>]) {
     loops.swap(0, largest);
 }
 
-/// Cuts a walk at vertices that it visits twice, so that every loop is simple: a hole that touches the rim in a vertex becomes a
-/// loop of its own, an edge that is walked back and forth a loop of two.
+/// Cuts a walk at vertices that it visits twice, so that every loop is simple: a hole that touches the rim in a vertex becomes
+/// a loop of its own, an edge that is walked back and forth a loop of two.
 fn split_simple(walk: Vec<u32>, loops: &mut Vec<Vec<u32>>) {
     if !has_repeats(&walk) {
         loops.push(walk);

@@ -2,9 +2,9 @@
 //!
 //! Reads a classified arrangement, gives `round` a [`Selected`] set of polygonal facets over exact points.
 //!
-//! A sub-cell is retained when it is *on* the boundary of what some part claims. Its class against a Boolean node follows from its
-//! classes against the operands ([`table`], thesis Table 2.4); the parts in front and behind are the last ones in the file that
-//! claim these sides. Retained neighbours that come from one facet of one leaf, separate the same parts and carry the same
+//! A sub-cell is retained when it is *on* the boundary of what some part claims. Its class against a Boolean node follows from
+//! its classes against the operands ([`table`], thesis Table 2.4); the parts in front and behind are the last ones in the file
+//! that claim these sides. Retained neighbours that come from one facet of one leaf, separate the same parts and carry the same
 //! marker are merged: no diagonal and no edge of a killed facet survives.
 
 pub mod decide;

@@ -1,9 +1,9 @@
 //! The decision table (thesis Table 2.4) as it follows from the labels.
 //!
-//! The class of a sub-facet against `A op B` from its classes against A and B. In the thesis a sub-facet lies on one of the two,
-//! so only rows and columns with one *on* occur, and its entries read: *retain* where the result is on-shared, *retain + flip*
-//! where it is on-anti-shared, *kill* where it is in or out. The full table serves nested trees: a sub-facet of a leaf may be in
-//! any relation to both operands of a node.
+//! The class of a sub-facet against `A op B` from its classes against A and B. In the thesis a sub-facet lies on one of the
+//! two, so only rows and columns with one *on* occur, and its entries read: *retain* where the result is on-shared, *retain +
+//! flip* where it is on-anti-shared, *kill* where it is in or out. The full table serves nested trees: a sub-facet of a leaf
+//! may be in any relation to both operands of a node.
 
 use crate::classify::Class::{self, In, OnAntiShared as Anti, OnShared as On, Out};
 use crate::scene::model::Operation;
@@ -93,11 +93,12 @@ mod tests {
         for (a, b, expected) in rows {
             assert_eq!([minus, union, common].map(|op| act(op, a, b)), expected, "{a:?} {b:?}");
         }
-        // Its rows (on-shared, on) and (on-anti-shared, on) kill the second copy of a common facet: here there is only one copy.
+        // Its rows (on-shared, on) and (on-anti-shared, on) kill the second copy of a common facet: here there is only one
+        // copy.
     }
 
-    /// Tables 2.2 and 2.3: a facet whose boundary is nowhere *on* has the class of any of its edges and corners, because a label
-    /// changes only across the solid. Stated on the two bits: what lies on no wall has equal labels on both sides.
+    /// Tables 2.2 and 2.3: a facet whose boundary is nowhere *on* has the class of any of its edges and corners, because a
+    /// label changes only across the solid. Stated on the two bits: what lies on no wall has equal labels on both sides.
     #[test]
     fn equal_labels_on_both_sides_are_in_or_out() {
         assert_eq!(Class::new(true, true), In);

@@ -1,8 +1,8 @@
 //! Facets that TetGen must not merge.
 //!
-//! TetGen 1.5 and 1.6 merge neighbouring facets of one marker whose planes differ by less than 0.1 degrees to one facet. Where they
-//! are coplanar that is wanted (`-M`, which forbids it, costs a multiple of tetrahedra); else the merged facet encloses another
-//! volume. Facets of different markers are never merged, so the latter get markers of their own for the run.
+//! TetGen 1.5 and 1.6 merge neighbouring facets of one marker whose planes differ by less than 0.1 degrees to one facet. Where
+//! they are coplanar that is wanted (`-M`, which forbids it, costs a multiple of tetrahedra); else the merged facet encloses
+//! another volume. Facets of different markers are never merged, so the latter get markers of their own for the run.
 
 use super::input::Input;
 use crate::geom::polygon::vector_area;
@@ -14,7 +14,8 @@ use std::collections::BTreeMap;
 
 /// Facets with a smaller angle between their planes, in radians, may be merged: twice TetGen's 0.1 degrees.
 const NEAR: f64 = 3.5e-3;
-/// Facets are coplanar if no corner is farther from the other's plane than this fraction of the size: what turning and rounding leave.
+/// Facets are coplanar if no corner is farther from the other's plane than this fraction of the size: what turning and rounding
+/// leave.
 const COPLANAR: f64 = 1e-12;
 
 /// Markers that stand for others during a run.

@@ -48,7 +48,8 @@ impl Drop for Folder {
 pub struct Limits {
     /// Longest run, by the clock.
     pub time: Duration,
-    /// Most work without progress ([`Watch`]): processor time where the system tells it, so that a busy machine changes nothing.
+    /// Most work without progress ([`Watch`]): processor time where the system tells it, so that a busy machine changes
+    /// nothing.
     pub stall: Duration,
     /// Largest address space, in bytes.
     pub memory: u64,
@@ -82,9 +83,9 @@ pub struct Run {
 
 /// Tells running in circles from long work.
 ///
-/// TetGen 1.5 has two endless loops. One is in the recovery of the given facets, where what is right takes no time. The other is in
-/// the refinement, in flips that lead back to where they came from; that phase may rightly take long, but then it inserts points,
-/// and the memory grows.
+/// TetGen 1.5 has two endless loops. One is in the recovery of the given facets, where what is right takes no time. The other
+/// is in the refinement, in flips that lead back to where they came from; that phase may rightly take long, but then it inserts
+/// points, and the memory grows.
 struct Watch {
     stall: Duration,
     /// The most memory so far, and after how much work it was reached.
@@ -92,7 +93,8 @@ struct Watch {
     grown: Duration,
 }
 
-/// Part of all work that may pass without growth: the larger the mesh, the more bad tetrahedra that cannot be split are tried in a row.
+/// Part of all work that may pass without growth: the larger the mesh, the more bad tetrahedra that cannot be split are tried
+/// in a row.
 const QUIET_SHARE: u32 = 4;
 
 impl Watch {
@@ -148,9 +150,9 @@ pub fn run(program: &Path, arguments: &[&str], folder: &Path, limits: &Limits) -
     Ok(Run { ending, log: read(), seconds: start.elapsed().as_secs_f64() })
 }
 
-/// The program under its limits, in a process group of its own, writing line by line: what a program holds back in its buffer is
-/// lost when it aborts. It ends with its parent, however that ends, where there is `setpriv` (Linux); elsewhere at the latest after
-/// as much processor time as it has time.
+/// The program under its limits, in a process group of its own, writing line by line: what a program holds back in its buffer
+/// is lost when it aborts. It ends with its parent, however that ends, where there is `setpriv` (Linux); elsewhere at the
+/// latest after as much processor time as it has time.
 #[cfg(unix)]
 fn limited(program: &Path, limits: &Limits) -> Command {
     use std::os::unix::process::CommandExt;

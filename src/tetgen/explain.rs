@@ -70,8 +70,8 @@ fn findings<'a>(input: &Input, logs: impl Iterator<Item = &'a str>) -> Vec<Diagn
     found
 }
 
-/// Lists in brackets or parentheses of two or three numbers, `[5, 6, 7]` or `(   1,    3,    2)`: TetGen's way to name a segment
-/// or triangle by the numbers, from 1, that the vertices have in the .poly.
+/// Lists in brackets or parentheses of two or three numbers, `[5, 6, 7]` or `(   1,    3,    2)`: TetGen's way to name a
+/// segment or triangle by the numbers, from 1, that the vertices have in the .poly.
 fn vertex_groups(line: &str, count: usize) -> Vec<Vec<u32>> {
     let mut groups = Vec::new();
     for piece in line.split(['[', '(']).skip(1) {

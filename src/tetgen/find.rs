@@ -21,8 +21,8 @@ pub struct Program {
     pub version: String,
 }
 
-/// The programs to use, in order: the given one, or what the environment names, else all on PATH, oldest version first, since the
-/// ladder takes the first as the usual one and later ones as newer.
+/// The programs to use, in order: the given one, or what the environment names, else all on PATH, oldest version first, since
+/// the ladder takes the first as the usual one and later ones as newer.
 ///
 /// # Errors
 /// If there is none, with how to get it.

@@ -58,8 +58,8 @@ const LEAST_AFTER_RUNAWAY: Duration = Duration::from_secs(20);
 
 /// Kinds of improvements that TetGen may make in the end, as a switch, in the order in which they are tried.
 ///
-/// By default it inserts points against slivers too. Version 1.5 then at times puts a point of a facet beside it: the facet's triangles
-/// are no faces of the mesh any more, and two regions have other volumes. Flips and moves alone (`-O2/3`) do not.
+/// By default it inserts points against slivers too. Version 1.5 then at times puts a point of a facet beside it: the facet's
+/// triangles are no faces of the mesh any more, and two regions have other volumes. Flips and moves alone (`-O2/3`) do not.
 const IMPROVEMENTS: [&str; 2] = ["", "O2/3"];
 
 /// A volume mesh that counts, and how it came about.
@@ -114,8 +114,8 @@ fn told(place: &Place, improvements: &str) -> String {
 
 /// Meshes the complex. `programs` are as [`super::find::find`] gives them.
 ///
-/// A mesh that was refined without end ([`runaway`]) counts only if no other attempt that leaves the vertices where they are makes a
-/// better one; then the smallest of such meshes is given with a warning.
+/// A mesh that was refined without end ([`runaway`]) counts only if no other attempt that leaves the vertices where they are
+/// makes a better one; then the smallest of such meshes is given with a warning.
 ///
 /// # Errors
 /// If no attempt yields a mesh that counts: what TetGen said, by names and coordinates.

@@ -13,11 +13,12 @@
 //! ```
 //!
 //! TetGen 1.5.0 dies on valid complexes whose vertices are nearly cocircular, that is, on most rotated cylinders: assertion,
-//! segmentation fault or endless loop. Two attempts that change nothing cure it. *Turned*: in the frame in which most facets are
-//! parallel to an axis, with coordinates made equal that differ by rounding, TetGen's exact predicates see exact coincidences.
-//! *Bent*: under a linear map that differs from the identity by 1e-4, facets stay planar and straight edges straight, but no four
-//! vertices are cocircular any more. In both the vertices are put back afterwards, bit for bit. (24-gon and 48-gon prisms and
-//! coaxial rings in 8 random rotations each: 5 of 24 as they are, 22 of 24 under a map of 1e-5, 24 of 24 under 1e-4.)
+//! segmentation fault or endless loop. Two attempts that change nothing cure it. *Turned*: in the frame in which most facets
+//! are parallel to an axis, with coordinates made equal that differ by rounding, TetGen's exact predicates see exact
+//! coincidences. *Bent*: under a linear map that differs from the identity by 1e-4, facets stay planar and straight edges
+//! straight, but no four vertices are cocircular any more. In both the vertices are put back afterwards, bit for bit. (24-gon
+//! and 48-gon prisms and coaxial rings in 8 random rotations each: 5 of 24 as they are, 22 of 24 under a map of 1e-5, 24 of 24
+//! under 1e-4.)
 //!
 //! Where it ends well, the mesh may still be wrong: see [`apart`] and, for points of facets that leave their facet, [`ladder`].
 

@@ -17,7 +17,8 @@ use std::collections::BTreeMap;
 const EQUAL: f64 = 1e-12;
 /// Normals count as parallel or perpendicular to this angle, in radians: small facets have less exact normals.
 const PARALLEL: f64 = 1e-7;
-/// Larger facets stay whole where strips are split: their diagonals, kept as segments, would cost tetrahedra, and their needles shape.
+/// Larger facets stay whole where strips are split: their diagonals, kept as segments, would cost tetrahedra, and their needles
+/// shape.
 const STRIP_CORNERS: usize = 4;
 
 /// A change of the vertices.
@@ -29,8 +30,8 @@ pub enum Place {
     Turned(Matrix3<f64>),
     /// By a linear map near the identity; a fraction of the size, and which of many.
     Bent(f64, u64),
-    /// None; strips fall apart into their two triangles, which TetGen 1.6 does not lose, and no facets are merged (`-M`): 1.6 does
-    /// so at small angles whatever the markers.
+    /// None; strips fall apart into their two triangles, which TetGen 1.6 does not lose, and no facets are merged (`-M`): 1.6
+    /// does so at small angles whatever the markers.
     Split,
     /// Each vertex at random by at most a fraction of the size; facets fall apart into their triangles. Not undone.
     Moved(f64, u64),
@@ -83,7 +84,8 @@ impl Place {
         check::check(&self.apply(input).plc, None).iter().all(|f| f.severity == Severity::Warning)
     }
 
-    /// Puts the nodes of a result back. Those that were vertices get their coordinates bit for bit, except when they were moved.
+    /// Puts the nodes of a result back. Those that were vertices get their coordinates bit for bit, except when they were
+    /// moved.
     pub fn restore(&self, given: &Plc, mesh: &mut Mesh) {
         let inverse = match *self {
             Self::AsIs | Self::Split | Self::Moved(..) => None,

@@ -7,7 +7,8 @@ use crate::io::mesh::{Mesh, NodeId, Tet, Triangle};
 use crate::io::words::Words;
 use std::path::Path;
 
-/// Reads `STEM.node`, `STEM.ele` and `STEM.face`. Tetrahedra keep TetGen's order of corners; regions and markers below 0 become 0.
+/// Reads `STEM.node`, `STEM.ele` and `STEM.face`. Tetrahedra keep TetGen's order of corners; regions and markers below 0 become
+/// 0.
 ///
 /// # Errors
 /// If a file is missing or damaged.

@@ -1,19 +1,19 @@
 //! Whether TetGen ran away: refined without end, and stopped for another reason than that the mesh is good.
 //!
-//! Where small angles of the complex keep tetrahedra from being good, TetGen leaves them: a few at each such vertex. But at times
-//! its points encroach on each other's segments in turn, and it cuts down to edges as short as rounding allows. What it then
-//! returns is a valid mesh of a hundred times as many tetrahedra as another attempt makes, most of the new ones as bad as before.
-//! Measured on wholly remeshed scenes: up to 4.5 % above the ratio and 1.3 such per vertex of the complex (via_array 3.2 %, coax 1.7 %,
-//! transformer3 1.4 %); a cone of 25 vertices 80 %, 4.5 per vertex. A microstrip of 1779 vertices, remeshed by a build since mended,
-//! ended with 3.6 million tetrahedra, a fifth of them above: 404 per vertex.
+//! Where small angles of the complex keep tetrahedra from being good, TetGen leaves them: a few at each such vertex. But at
+//! times its points encroach on each other's segments in turn, and it cuts down to edges as short as rounding allows. What it
+//! then returns is a valid mesh of a hundred times as many tetrahedra as another attempt makes, most of the new ones as bad as
+//! before. Measured on wholly remeshed scenes: up to 4.5 % above the ratio and 1.3 such per vertex of the complex (via_array
+//! 3.2 %, coax 1.7 %, transformer3 1.4 %); a cone of 25 vertices 80 %, 4.5 per vertex. A microstrip of 1779 vertices, remeshed
+//! by a build since mended, ended with 3.6 million tetrahedra, a fifth of them above: 404 per vertex.
 
 use crate::geom::Vec3;
 use crate::io::mesh::Mesh;
 
 /// More than this share of tetrahedra above the wanted ratio is seldom what refinement leaves.
 const SHARE: f64 = 0.03;
-/// And more than so many for each vertex of the complex are not what its own small angles force: a vertex has some 25 tetrahedra, and
-/// five times what the cone has.
+/// And more than so many for each vertex of the complex are not what its own small angles force: a vertex has some 25
+/// tetrahedra, and five times what the cone has.
 const PER_VERTEX: usize = 25;
 
 /// What is to be said of a mesh that TetGen made when it ran away from a complex of so many vertices.

@@ -9,7 +9,8 @@ use std::collections::BTreeMap;
 /// Largest relative difference of a region's volume or a marker's area from the complex.
 pub const TOLERANCE: f64 = 1e-9;
 
-/// A tetrahedron whose volume is a smaller fraction of its longest edge cubed has no usable element matrix: to a solver it is flat.
+/// A tetrahedron whose volume is a smaller fraction of its longest edge cubed has no usable element matrix: to a solver it is
+/// flat.
 const LEAST_THICKNESS: f64 = 1e-13;
 
 fn thickness([a, b, c, d]: &[Vec3; 4]) -> f64 {
@@ -17,8 +18,8 @@ fn thickness([a, b, c, d]: &[Vec3; 4]) -> f64 {
     (b - a).cross(&(c - a)).dot(&(d - a)).abs() / (6.0 * longest * longest.sqrt())
 }
 
-/// Compares a mesh with the complex that it is to be one of: every region's volume, every marker's area, and that no tetrahedron is
-/// flat or turned over. The tetrahedra must be in TetGen's order of corners.
+/// Compares a mesh with the complex that it is to be one of: every region's volume, every marker's area, and that no
+/// tetrahedron is flat or turned over. The tetrahedra must be in TetGen's order of corners.
 ///
 /// # Errors
 /// What is wrong, a sentence each.

@@ -184,8 +184,8 @@ impl Topology {
         }
     }
 
-    /// KEML: removes an edge whose two fins are in one loop, which falls apart. What `fin` of the edge leads to becomes a new inner
-    /// loop, maybe a lone vertex; what it comes from stays.
+    /// KEML: removes an edge whose two fins are in one loop, which falls apart. What `fin` of the edge leads to becomes a new
+    /// inner loop, maybe a lone vertex; what it comes from stays.
     pub fn keml(&mut self, fin: FinId) -> Legal<LoopId> {
         let edge = self.fins[fin].edge;
         require(edge.is_some() && self.ring_len(edge) == 2, "the edge does not have two fins")?;

@@ -16,11 +16,12 @@
 //! | `mskr`             | `ksmr`   |      |      |    |    | -1 | +1 |    | region becomes part of another, its outer shell an inner one |
 //! | `mffr`             | `kffr`   | +n   | +n   | +2 |    | +1 |    |    | double facet over a cycle of n half-edges parts a region; (or H -1 if it does not) |
 //!
-//! V counts vertex uses, E edge uses (pairs of mates, so as many as fins), F face uses, L inner loops of face uses, R outer and S
-//! inner shells, H handles (sum of the shells' genera); see `check` for how each is counted.
+//! V counts vertex uses, E edge uses (pairs of mates, so as many as fins), F face uses, L inner loops of face uses, R outer and
+//! S inner shells, H handles (sum of the shells' genera); see `check` for how each is counted.
 //!
 //! Operators work on any legal model and leave a legal one; what they cannot do they refuse with a reason and change
-//! nothing. Ids are reused last freed first, so an operator and its inverse restore ids too. No edge may join a vertex to itself.
+//! nothing. Ids are reused last freed first, so an operator and its inverse restore ids too. No edge may join a vertex to
+//! itself.
 
 mod edge;
 mod face;

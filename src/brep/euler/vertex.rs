@@ -62,8 +62,8 @@ impl Topology {
         (half, vertex)
     }
 
-    /// MEV in general: the edges `moved` leave `vertex` for a new one, joined to it by a new edge (from `vertex` to the new one)
-    /// that lies in every facet with a corner between a moved and an unmoved edge. Lone vertices stay.
+    /// MEV in general: the edges `moved` leave `vertex` for a new one, joined to it by a new edge (from `vertex` to the new
+    /// one) that lies in every facet with a corner between a moved and an unmoved edge. Lone vertices stay.
     /// Each vertex use must be parted into at most one moved and one unmoved sector. Cost: the edges at `vertex`, squared.
     pub fn mev_fan(&mut self, vertex: VertexId, moved: &[EdgeId]) -> Legal<(EdgeId, VertexId)> {
         let ring = self.fan_ring(vertex, moved)?;
@@ -177,8 +177,8 @@ impl Topology {
         }
     }
 
-    /// Whether contracting an edge would join two vertex uses in more than one way: the uses at both ends, joined by the sectors
-    /// around the edge, must form a forest.
+    /// Whether contracting an edge would join two vertex uses in more than one way: the uses at both ends, joined by the
+    /// sectors around the edge, must form a forest.
     pub(in super::super) fn would_pinch(&self, edge: EdgeId) -> bool {
         let name = |half| self.vertex_use(half).min().unwrap_or(half);
         let mut uses: Vec<[HalfEdgeId; 2]> =

@@ -1,7 +1,7 @@
 //! TetGen's .poly and .smesh files.
 //!
-//! Written: vertices numbered from 1, coordinates in the shortest form that reads back to the same bits, a legend of markers and
-//! regions as comments. Read: any .poly or .smesh as TetGen reads it, numbered from 0 or 1, as untrusted input.
+//! Written: vertices numbered from 1, coordinates in the shortest form that reads back to the same bits, a legend of markers
+//! and regions as comments. Read: any .poly or .smesh as TetGen reads it, numbered from 0 or 1, as untrusted input.
 
 mod read;
 #[cfg(test)]

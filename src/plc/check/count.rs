@@ -1,9 +1,9 @@
 //! V - E + F - L = 2 (R + S - H) over uses (thesis 2.2.3.1, Eq. 2.1).
 //!
-//! Each side of a face is a facet use; a facet is one face unless its segments divide it. V counts vertices once per place where a shell passes them, E edges once per pair of
-//! facet uses that meet there, L the further boundary pieces of facet uses, R outer shells, S the others (those of the unbounded
-//! volume among them), H handles. V, E, F, L come from the polygons, the handles from the triangles: the count fails if the two
-//! do not describe the same surface.
+//! Each side of a face is a facet use; a facet is one face unless its segments divide it. V counts vertices once per place
+//! where a shell passes them, E edges once per pair of facet uses that meet there, L the further boundary pieces of facet uses,
+//! R outer shells, S the others (those of the unbounded volume among them), H handles. V, E, F, L come from the polygons, the
+//! handles from the triangles: the count fails if the two do not describe the same surface.
 
 use super::Subject;
 use super::faces::Faces;
