@@ -189,7 +189,7 @@ impl Workpiece {
     }
 
     /// Unit normal of a facet.
-    fn normal(&self, facet: FacetId) -> Vec3 {
+    pub fn normal(&self, facet: FacetId) -> Vec3 {
         self.area(facet).try_normalize(0.0).unwrap_or_else(Vec3::zeros)
     }
 

@@ -49,6 +49,7 @@ mod features;
 mod history;
 mod operators;
 mod pieces;
+mod pinches;
 mod polish;
 mod polygons;
 mod quality;
@@ -65,7 +66,7 @@ use crate::brep::model::Brep;
 use crate::diag::Outcome;
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
-use crate::ids::{FacetId, Id, IdVec, PartId, SurfaceId};
+use crate::ids::{FacetId, Id, IdVec, PartId, SurfaceId, VertexId};
 use crate::patch::fit::supports_of;
 use crate::patch::support::Support;
 use crate::scene::model::{Part, RemeshMode, RemeshOptions};
@@ -110,8 +111,8 @@ pub fn remesh(complex: Complex, options: &RemeshOptions, parts: &IdVec<PartId, P
     }
     let mut retreat = Retreat { shares: vec![1.0; complex.surfaces.len()], choice, round: 0.0 };
     for left in (0..ATTEMPTS).rev() {
-        let mut work = Workpiece::new(complex.clone(), supports.clone(), retreat.shares.clone(), retreat.choice.clone())?;
-        let is_done = work.remesh(options, parts);
+        let (mut work, limits) = retreat.begin(&complex, &supports, options, parts)?;
+        let is_done = work.remesh(&limits);
         let mut faults = work.faults();
         // Half done, it has needles that would go.
         faults.retain(|f| is_done || f.is_contact);
@@ -140,6 +141,35 @@ struct Retreat {
 }
 
 impl Retreat {
+    /// The model ready for work, with the facets that have to stay left out.
+    fn begin(
+        &mut self,
+        complex: &Complex,
+        supports: &Supports,
+        options: &RemeshOptions,
+        parts: &IdVec<PartId, Part>,
+    ) -> Outcome<(Workpiece, Limits)> {
+        loop {
+            let mut work = Workpiece::new(complex.clone(), supports.clone(), self.shares.clone(), self.choice.clone())?;
+            let limits = work.prepare(options, parts);
+            if !self.leave(&work.pinched(), complex) {
+                return Ok((work, limits));
+            }
+        }
+    }
+
+    /// Leaves the facets at some vertices as they are; whether any was chosen.
+    fn leave(&mut self, vertices: &[VertexId], complex: &Complex) -> bool {
+        let mut is_less = false;
+        for (facet, is_chosen) in complex.facets.iter().zip(&mut self.choice.is_chosen).filter(|f| *f.1) {
+            if facet.loops.iter().flatten().any(|v| vertices.binary_search(v).is_ok()) {
+                *is_chosen = false;
+                is_less = true;
+            }
+        }
+        is_less
+    }
+
     /// A surface whose facets meet others for the first time is to keep closer to its true shape, if that is known; after that,
     /// and where there are needles, its facets stay as they are. Whether anything was given up.
     fn give_up(&mut self, faults: &[Fault], complex: &Complex, supports: &Supports) -> bool {
@@ -188,8 +218,8 @@ impl Workpiece {
         })
     }
 
-    /// False if it was broken off, because facets meet.
-    fn remesh(&mut self, options: &RemeshOptions, parts: &IdVec<PartId, Part>) -> bool {
+    /// Finds bound, sizes and features.
+    fn prepare(&mut self, options: &RemeshOptions, parts: &IdVec<PartId, Part>) -> Limits {
         let size = Aabb::around(self.brep.vertices.iter().map(|v| &v.point)).diagonal();
         let treated = self.chosen();
         self.bound = match options.max_deviation {
@@ -199,10 +229,16 @@ impl Workpiece {
         let limits = Limits::of(self, size, parts);
         self.divide(&treated);
         self.find_features();
-        let is_done = self.run(&limits);
+        limits
+    }
+
+    /// False if it was broken off, because facets meet.
+    fn remesh(&mut self, limits: &Limits) -> bool {
+        let is_done = self.run(limits);
         if is_done {
-            self.clear_bends(&limits);
+            self.clear_bends(limits);
             self.merge_flat();
+            self.clear_straight_corners();
         }
         is_done
     }

@@ -5,6 +5,7 @@
 
 use super::polygons::Change;
 use super::quality::{is_sharper, sharpest_cosine};
+use super::straight::TRACE;
 use super::workpiece::{CurveId, Measure, Place, Workpiece, sorted};
 use crate::brep::complex::ComplexVertex;
 use crate::brep::local::{Collapse, Swap, Touched};
@@ -126,14 +127,21 @@ impl Workpiece {
         Some(touched)
     }
 
-    /// The line of an edge that is straight on the surface of a strip beside it.
+    /// The line for vertices of an edge that is straight on the surface of a strip beside it: out of the strip by a trace, so
+    /// that the strip gets no corners that are straight but for rounding. On lines along an axis there is no rounding.
     fn ruling_of(&mut self, edge: EdgeId, strip: FacetId) -> Option<CurveId> {
-        let [a, b] = self.brep.topology.ends(edge).map(|v| self.point(v));
+        let topology = &self.brep.topology;
+        let fin = topology.fins_around(edge).find(|&fin| topology.facet_of(fin) == strip)?;
+        let [a, b] = topology.fin_ends(fin).map(|v| self.point(v));
         let foot = self.support(strip)?.closest(&((a + b) * 0.5));
         let direction = (b - a).try_normalize(0.0)?;
-        let is_straight = foot.is_straight_along(&direction);
-        let is_inner = !self.brep.is_feature(edge);
-        (is_straight && is_inner).then(|| self.curves.push(Curve::Line { origin: a, direction }))
+        if !foot.is_straight_along(&direction) || self.brep.is_feature(edge) {
+            return None;
+        }
+        let is_exact = direction.iter().filter(|&&x| x == 0.0).count() == 2;
+        let out = if is_exact { 0.0 } else { TRACE * (b - a).norm() };
+        let origin = a + direction.cross(&self.normal(strip)) * out;
+        Some(self.curves.push(Curve::Line { origin, direction }))
     }
 
     fn split_keeps_sense(&self, facet: FacetId, [a, b]: [VertexId; 2], at: &Vec3) -> bool {

@@ -56,7 +56,7 @@ impl Workpiece {
 
     /// Where a vertex ought to be; `None` if it may not move. Corners made by an intersection of facets, off the
     /// true surfaces, belong where all of these meet.
-    fn true_place(&self, vertex: VertexId) -> Option<Vec3> {
+    pub fn true_place(&self, vertex: VertexId) -> Option<Vec3> {
         let point = self.point(vertex);
         if self.is_movable(vertex) {
             return Some(self.home(vertex, &point));

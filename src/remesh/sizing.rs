@@ -23,6 +23,11 @@ const PER_GAP: f64 = 6.0;
 /// Wanted length over the width of a strip between two feature curves: equilateral triangles across it.
 const PER_STRIP: f64 = 1.2;
 
+/// Least wanted length beside gaps and in strips, as a fraction of the one that the curvature asks for: whoever models a coating
+/// does not want a million triangles of it, and the true curves of an almost tangent contact may coincide. The gap of a machine
+/// asks for a seventh.
+const NARROWEST: f64 = 0.1;
+
 /// Smallest wanted length as a fraction of the model's size: keeps apexes finite.
 const LEAST_SIZE: f64 = 1e-4;
 
@@ -211,7 +216,8 @@ impl Workpiece {
         let spacing =
             surfaces.iter().filter_map(|&s| self.supports[s].as_deref()).map(|s| s.spacing(&point)).fold(0.0, f64::max);
         let size = size.max(self.bound.finest(spacing));
-        limits.limit(&point, size.min(self.strip_width(vertex) * PER_STRIP), &surfaces, FINEST * spacing)
+        let finest = (FINEST * spacing).max(NARROWEST * size);
+        limits.limit(&point, size.min(self.strip_width(vertex) * PER_STRIP), &surfaces, finest)
     }
 
     /// Width of the surface at a vertex of a feature curve: the shortest edge straight across to another curve. Edges around a

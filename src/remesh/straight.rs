@@ -1,19 +1,49 @@
 //! Polygons that TetGen can take: planar, and without corners that are straight but for rounding, of which TetGen 1.5 dies.
 //!
-//! A plane beside remeshed facets has such corners on its straight edges. It is cut from there across; all pieces lie in one
+//! A plane or strip beside remeshed facets has such corners on its straight edges. They are moved out of the edge by a trace,
+//! within the polygon's plane; where another polygon has them too, the polygon is cut from there across: all pieces lie in one
 //! plane, and TetGen merges them.
 
 use super::pieces::cut_at;
+use super::workpiece::Workpiece;
 use crate::brep::complex::{Complex, ComplexFacet};
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
 use crate::geom::polygon::is_planar;
 use crate::geom::predicates::{Projection, orient2d};
-use crate::ids::{Id, IdVec, VertexId};
+use crate::ids::{FacetId, Id, IdVec, VertexId};
 use crate::round::PLANAR_ULPS;
 
 /// Sine of the turn below which a corner counts as straight.
 const STRAIGHT_SINE: f64 = 1e-9;
+
+/// How far such corners are moved, as a fraction of the shorter edge at them: far above TetGen's tolerance of 1e-8, far below
+/// what any deviation allows.
+pub(super) const TRACE: f64 = 1e-6;
+
+impl Workpiece {
+    /// Moves nearly straight corners of polygons outwards, if all other facets there are remeshed triangles.
+    pub fn clear_straight_corners(&mut self) {
+        let points: Vec<Vec3> = self.brep.vertices.iter().map(|v| v.point).collect();
+        let topology = &self.brep.topology;
+        let polygons: Vec<FacetId> = topology.facets().filter(|&f| self.corners(f).is_none()).collect();
+        let mut moves: Vec<(VertexId, Vec3)> = Vec::new();
+        for facet in polygons {
+            let loops: Vec<Vec<VertexId>> = topology.loops(facet).map(|w| topology.corners(w).collect()).collect();
+            let normal = self.normal(facet);
+            for [a, at, b] in straight_corners(&loops, &points) {
+                if topology.facets_at(at).all(|f| f == facet || self.is_treated(f)) {
+                    let (from, here, to) = (self.point(a), self.point(at), self.point(b));
+                    let out = (to - from).cross(&normal).normalize();
+                    moves.push((at, here + out * (TRACE * (here - from).norm().min((to - here).norm()))));
+                }
+            }
+        }
+        for (vertex, to) in moves {
+            self.relocate(vertex, to);
+        }
+    }
+}
 
 /// Divides polygons that are no longer planar, strips beside curves that moved to the true surface, into their triangles, which
 /// are planar always, and cuts those with nearly straight corners.
@@ -28,7 +58,7 @@ pub(super) fn cut_unsound(complex: &mut Complex) {
         if facet.triangles.len() == 1 {
             facets.push(facet);
         } else if is_planar(&walks, &points, flatness) {
-            let corners = straight_corners(&facet.loops, &points);
+            let corners: Vec<VertexId> = straight_corners(&facet.loops, &points).into_iter().map(|way| way[1]).collect();
             facets.extend(cut_at(facet, &corners, &points));
         } else {
             facets.extend(triangles_of(&facet));
@@ -42,18 +72,19 @@ pub(super) fn triangles_of(facet: &ComplexFacet) -> impl Iterator<Item = Complex
     facet.triangles.iter().map(|&t| ComplexFacet { loops: vec![t.to_vec()], triangles: vec![t], ..facet.clone() })
 }
 
-/// Corners of a polygon that are nearly, but not exactly, straight.
-fn straight_corners(loops: &[Vec<VertexId>], points: &[Vec3]) -> Vec<VertexId> {
+/// Corners of a polygon that are nearly, but not exactly, straight, each between its neighbours.
+fn straight_corners(loops: &[Vec<VertexId>], points: &[Vec3]) -> Vec<[VertexId; 3]> {
     let sides = [Vec3::x(), Vec3::y(), Vec3::z()].map(|axis| Projection::along(&axis));
     let mut found = Vec::new();
     for walk in loops.iter().filter(|w| w.len() > 2) {
         for (k, &at) in walk.iter().enumerate() {
             let n = walk.len();
-            let way = [walk[(k + n - 1) % n], at, walk[(k + 1) % n]].map(|v| points[v.index()]);
+            let corner = [walk[(k + n - 1) % n], at, walk[(k + 1) % n]];
+            let way = corner.map(|v| points[v.index()]);
             let [a, b, c] = &way;
             let turns = |p: &Projection| orient2d(p.apply(a), p.apply(b), p.apply(c)) != 0;
             if is_straight(&way) && sides.iter().any(turns) {
-                found.push(at);
+                found.push(corner);
             }
         }
     }
