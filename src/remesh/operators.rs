@@ -4,7 +4,7 @@
 //! simple, freedoms are respected. What else an operation must improve is up to the caller.
 
 use super::polygons::Change;
-use super::quality::{is_sharper, sharpest_cosine};
+use super::quality::{WORST, is_sharper, sharpest_cosine};
 use super::straight::TRACE;
 use super::workpiece::{CurveId, Measure, Place, Workpiece, sorted};
 use crate::brep::complex::ComplexVertex;
@@ -17,13 +17,14 @@ use crate::primitive::solid::Freedom;
 
 /// Least gain, in the cosine of the smallest angle (a quarter of a degree), for which an angle is raised: without it, a patch
 /// would creep towards its best shape in endless tiny steps. For needles, of less than 10 degrees, a tenth of the angle: then 1
-/// - cosine grows by a fifth.
+/// - cosine grows by a fifth. The same for angles near 180 degrees, where shapes end at [`WORST`].
 const LEAST_GAIN: f64 = 3e-3;
 const NEEDLE_GAIN: f64 = 0.2;
 
 /// The cosine of the smallest angle past which an angle is raised.
 pub(super) fn raised(cosine: f64) -> f64 {
-    cosine - LEAST_GAIN.min(NEEDLE_GAIN * (1.0 - cosine))
+    let end = if cosine < 1.0 { 1.0 } else { WORST };
+    cosine - LEAST_GAIN.min(NEEDLE_GAIN * (end - cosine))
 }
 
 /// What an operation would do to quality.

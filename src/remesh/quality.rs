@@ -6,6 +6,10 @@ use crate::geom::Vec3;
 /// at.
 const OBTUSE_BASE: f64 = 0.74;
 
+/// The largest weight of obtuse angles, and the largest of all shapes with it.
+pub(super) const MOST_OBTUSE: f64 = 0.5;
+pub(super) const WORST: f64 = OBTUSE_BASE + MOST_OBTUSE;
+
 /// Cosine of the largest angle of a triangle from which it has a flaw, 88.9 degrees: what is near 90 passes it by the next
 /// move.
 const FLAWED: f64 = 0.02;
@@ -26,7 +30,8 @@ pub(super) const RIGHT: f64 = -1e-3;
 pub fn sharpest_cosine([a, b, c]: [&Vec3; 3], obtuse: f64) -> f64 {
     let [short, middle, long] = sorted_squares([a, b, c]);
     if short == 0.0 {
-        return 1.0;
+        // As bad as the worst needle.
+        return 1f64.max(OBTUSE_BASE + obtuse);
     }
     let least = (middle + long - short) * 0.5 / (middle * long).sqrt();
     if obtuse == 0.0 {
@@ -100,6 +105,8 @@ mod tests {
         let top = Vec3::new(0.5, 0.75f64.sqrt(), 0.0);
         assert!((sharpest_cosine([&o, &x, &top], 0.0) - 0.5).abs() < 1e-15);
         assert_eq!(sharpest_cosine([&o, &o, &x], 0.0), 1.0);
+        let needle = Vec3::new(0.5, 1e-9, 0.0);
+        assert!(sharpest_cosine([&o, &o, &x], 0.5) >= sharpest_cosine([&o, &needle, &x], 0.5));
         for (apex, obtuse) in [(top, 0.0), (top, 0.25), (Vec3::new(0.5, 0.1, 0.0), 0.0), (Vec3::new(0.5, 0.1, 0.0), 0.25)] {
             let cosine = sharpest_cosine([&o, &x, &apex], obtuse);
             assert!(is_sharper([&o, &x, &apex], obtuse, cosine - 1e-9) && !is_sharper([&o, &x, &apex], obtuse, cosine + 1e-9));

@@ -1,7 +1,7 @@
 //! The order of the work: a queue picks the next edge (thesis 6.2) instead of the sweeps of Table 4.1.
 
 use super::operators::Effect;
-use super::quality::cosine_of_degrees;
+use super::quality::{MOST_OBTUSE, cosine_of_degrees};
 use super::relocate::Aim;
 use super::sizing::Limits;
 use super::workpiece::{Place, Workpiece};
@@ -50,7 +50,7 @@ const THIN_ROUNDS: usize = 3;
 /// Weights of obtuse angles: in polishing and where obtuse triangles are mended at last; in the last polish and for bends.
 /// TetGen cuts edges that see an obtuse angle. Without them in the last polish, the least angles are a degree larger, and a
 /// tenth more tetrahedra are needed.
-const OBTUSE: [f64; 2] = [0.5, 0.25];
+const OBTUSE: [f64; 2] = [MOST_OBTUSE, 0.25];
 
 /// Operations per edge at most in one pass: passes end long before, this bounds them on any input.
 const BUDGET_PER_EDGE: usize = 20;
