@@ -236,6 +236,8 @@ impl Workpiece {
     fn remesh(&mut self, limits: &Limits) -> bool {
         let is_done = self.run(limits);
         if is_done {
+            // Before facets become polygons, which could not follow; and what slid back.
+            self.clear_straight_corners();
             self.clear_bends(limits);
             self.merge_flat();
             self.clear_straight_corners();

@@ -4,7 +4,7 @@
 //! within the polygon's plane; where another polygon has them too, the polygon is cut from there across: all pieces lie in one
 //! plane, and TetGen merges them.
 
-use super::pieces::cut_at;
+use super::pieces::{cut_at, edges_of};
 use super::workpiece::Workpiece;
 use crate::brep::complex::{Complex, ComplexFacet};
 use crate::geom::Vec3;
@@ -13,6 +13,7 @@ use crate::geom::polygon::is_planar;
 use crate::geom::predicates::{Projection, orient2d};
 use crate::ids::{FacetId, Id, IdVec, VertexId};
 use crate::round::PLANAR_ULPS;
+use std::collections::HashSet;
 
 /// Sine of the turn below which a corner counts as straight.
 const STRAIGHT_SINE: f64 = 1e-9;
@@ -72,9 +73,11 @@ pub(super) fn triangles_of(facet: &ComplexFacet) -> impl Iterator<Item = Complex
     facet.triangles.iter().map(|&t| ComplexFacet { loops: vec![t.to_vec()], triangles: vec![t], ..facet.clone() })
 }
 
-/// Corners of a polygon that are nearly, but not exactly, straight, each between its neighbours.
+/// Corners of a polygon that are nearly, but not exactly, straight, each between its neighbours; none of an edge that lies
+/// inside of it.
 fn straight_corners(loops: &[Vec<VertexId>], points: &[Vec3]) -> Vec<[VertexId; 3]> {
     let sides = [Vec3::x(), Vec3::y(), Vec3::z()].map(|axis| Projection::along(&axis));
+    let edges: HashSet<[VertexId; 2]> = edges_of(loops).collect();
     let mut found = Vec::new();
     for walk in loops.iter().filter(|w| w.len() > 2) {
         for (k, &at) in walk.iter().enumerate() {
@@ -83,7 +86,7 @@ fn straight_corners(loops: &[Vec<VertexId>], points: &[Vec3]) -> Vec<[VertexId; 
             let way = corner.map(|v| points[v.index()]);
             let [a, b, c] = &way;
             let turns = |p: &Projection| orient2d(p.apply(a), p.apply(b), p.apply(c)) != 0;
-            if is_straight(&way) && sides.iter().any(turns) {
+            if is_straight(&way) && sides.iter().any(turns) && !edges.contains(&[at, corner[0]]) {
                 found.push(corner);
             }
         }
