@@ -6,7 +6,6 @@ use crate::diag::Diagnostic;
 use crate::io::atomic::{self, NewFile};
 use crate::io::{manifest, poly};
 use crate::pipeline::{self, Model};
-use crate::report::timing::Timings;
 use crate::report::{Report, text};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -17,7 +16,7 @@ use std::path::{Path, PathBuf};
 /// Those of standard output.
 pub fn run(args: &BuildArgs, session: &mut Session) -> io::Result<Exit> {
     session.set_threads();
-    let timings = Timings { on_begin: session.progress(), ..Timings::default() };
+    let timings = session.timings(&args.scene);
     let mut model = match pipeline::run(&args.scene, session::overrides(&args.changes), timings) {
         Ok(model) => model,
         Err(faults) => return complain(faults, args, session, ""),

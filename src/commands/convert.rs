@@ -63,7 +63,7 @@ fn convert(args: &ConvertArgs) -> Result<Mesh, Vec<Diagnostic>> {
         })?,
         None => 1.0,
     };
-    let is_plc = args.input.extension().is_some_and(|e| e == "poly" || e == "smesh");
+    let is_plc = poly::is_plc(&args.input);
     let mesh = if is_plc {
         let plc = poly::read(&args.input).map_err(one)?;
         Input::from_plc(plc, manifest.as_ref())?.surface()

@@ -15,6 +15,9 @@ use std::collections::HashMap;
 /// Memory of one facet of a leaf through all stages, in bytes: vertices, edges, uses and labels, a few copies of each.
 const BYTES_PER_FACET: f64 = 600.0;
 
+/// Facets from which on a user should know beforehand: about half a minute's work.
+const MANY_FACETS: f64 = 1e6;
+
 /// What holds for the leaves of a part unless they say otherwise.
 #[derive(Clone, Copy)]
 pub(super) struct Settings {
@@ -29,6 +32,8 @@ pub(super) struct Planter<'l> {
     known: HashMap<u64, Vec<LeafId>>,
     limits: &'l Limits,
     bytes: f64,
+    /// Facets of the leaf that has the most, and where it stands.
+    pub largest: (f64, Span),
     nodes: usize,
     /// Motions from the outermost to the innermost.
     motions: Vec<Motion>,
@@ -41,7 +46,17 @@ impl<'l> Planter<'l> {
     /// No leaves yet.
     pub fn new(limits: &'l Limits) -> Self {
         let (leaves, known, motions) = (IdVec::new(), HashMap::new(), Vec::new());
-        Self { leaves, known, limits, bytes: 0.0, nodes: 0, motions, names: Vec::new(), named: Vec::new() }
+        Self {
+            leaves,
+            known,
+            limits,
+            bytes: 0.0,
+            largest: (0.0, Span::default()),
+            nodes: 0,
+            motions,
+            names: Vec::new(),
+            named: Vec::new(),
+        }
     }
 
     /// `tree` after `motion`, as a Boolean expression over leaves; `named` then holds its leaves by name.
@@ -89,6 +104,17 @@ impl<'l> Planter<'l> {
         }
     }
 
+    /// A warning if the leaves have very many facets.
+    pub fn forecast(&self) -> Option<Diagnostic> {
+        let (total, (facets, span)) = (self.bytes / BYTES_PER_FACET, self.largest);
+        (total >= MANY_FACETS).then(|| {
+            let message = format!("building takes long: about {total:.2e} facets, {facets:.2e} of them on this solid");
+            Diagnostic::warning("many-facets", message)
+                .at(span)
+                .hint("use fewer segments, or a larger max_angle or max_chord_error, if that is fine enough")
+        })
+    }
+
     fn leaf(&mut self, local: &LocalLeaf, settings: Settings) -> Result<LeafId, Diagnostic> {
         let (primitive, transform) = placed(&local.primitive, self.motions.iter().rev());
         let anchor = transform * nalgebra::Point3::from(anchor(&primitive));
@@ -122,13 +148,17 @@ impl<'l> Planter<'l> {
         if let Some(&id) = same {
             return Ok(id);
         }
-        let bytes = self.bytes + BYTES_PER_FACET * facet_estimate(&leaf);
+        let facets = facet_estimate(&leaf);
+        let bytes = self.bytes + BYTES_PER_FACET * facets;
         if bytes > self.limits.memory {
             let message = format!("this discretization would need more than {:.1} GB of memory", self.limits.memory / 1e9);
             let hint = "use fewer segments, or a larger max_angle or max_chord_error";
             return Err(Diagnostic::error("too-many-segments", message).at(leaf.span).hint(hint));
         }
         self.bytes = bytes;
+        if facets > self.largest.0 {
+            self.largest = (facets, leaf.span);
+        }
         let id = self.leaves.push(leaf);
         self.known.entry(key).or_default().push(id);
         Ok(id)

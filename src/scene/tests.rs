@@ -189,8 +189,8 @@ fn settings_of_the_inside_win() {
 fn boundaries_select_sides_of_leaves() {
     let tour = scene(&bundled("tour.ron"));
     let side = |name: &str| tour.boundaries.iter().find(|b| b.name == name).map(|b| b.selection.clone()).unwrap();
-    assert_eq!(side("ceiling"), BoundarySelection::Side { leaves: vec![LeafId(0)], side: Some("z+".into()) });
-    assert_eq!(side("face6"), BoundarySelection::Side { leaves: vec![LeafId(6)], side: Some("x+".into()) });
+    assert_eq!(side("ceiling"), BoundarySelection::Sides(vec![(LeafId(0), Some("z+".into()))]));
+    assert_eq!(side("face6"), BoundarySelection::Sides(vec![(LeafId(6), Some("x+".into()))]));
     let faults = read(&bundled("tour.ron").replace("side: \"yoke\"", "side: \"joke\"")).unwrap_err();
     assert_eq!(faults[0].code, "unknown-side");
     assert!(faults[0].hints[0].contains("yoke"), "{:?}", faults[0].hints);
@@ -255,6 +255,55 @@ fn sides_of_a_block_have_all_their_names() {
     let faults = read(&format!("Scene(units: \"mm\", parts: [{boundary}])")).unwrap_err();
     assert_eq!(faults[0].code, "unknown-side");
     assert!(faults[0].hints.iter().any(|h| h.contains("bottom, top, x+")), "{:?}", faults[0].hints);
+}
+
+#[test]
+fn a_side_is_found_by_the_name_that_each_solid_has_for_it() {
+    let solid = "Union([Block(size: (1, 1, 1)), Cylinder(radius: 1, height: 2, base: (5, 0, 0)), Sphere(radius: 1, center: (9, 0, 0))])";
+    let boundary = "Side(name: \"t\", side: \"top\"), Side(name: \"z\", side: \"z+\"), Side(name: \"all\")";
+    let scene = scene(&format!("Scene(units: \"mm\", parts: [Part(name: \"a\", solid: {solid}, boundaries: [{boundary}])])"));
+    let sides = |k: u32| match &scene.boundaries[BoundaryId(k)].selection {
+        BoundarySelection::Sides(sides) => sides.iter().map(|(leaf, side)| (leaf.0, side.as_deref())).collect::<Vec<_>>(),
+        BoundarySelection::Outer => panic!(),
+    };
+    assert_eq!(sides(0), [(0, Some("z+")), (1, Some("top"))]);
+    assert_eq!(sides(1), [(0, Some("z+"))]);
+    assert_eq!(sides(2), [(0, None), (1, None), (2, None)]);
+}
+
+#[test]
+fn interfaces_are_named_by_their_parts_in_either_order() {
+    let with = |entries: &str| {
+        format!(
+            "Scene(units: \"mm\", params: {{\"fine\": \"0.1 cm\"}}, interfaces: {{{entries}}}, parts: [
+               Part(name: \"air\", solid: Block(size: (9, 9, 9))),
+               Part(name: \"pole\", copies: Linear(count: 2, step: (3, 0, 0)), solid: Sphere(radius: 1, center: (3, 3, 3)))])"
+        )
+    };
+    let scene = scene(&with(
+        "\"pole2 | air\": (max_edge: \"fine / 2\"), \"air|pole\": (max_edge: \"fine\"), \"outer|air\": (max_edge: 3), \"pole|pole\": (max_edge: 4)",
+    ));
+    let part = |k: u32| Some(PartId(k));
+    let sizes = |parts: [Option<PartId>; 2]| scene.interfaces_between(parts).map(|(_, i)| i.max_edge).collect::<Vec<_>>();
+    assert_eq!(sizes([part(0), part(1)]), [1.0]);
+    assert_eq!(sizes([part(2), part(0)]), [0.5, 1.0]);
+    assert_eq!(sizes([part(0), None]), [3.0]);
+    assert_eq!(sizes([part(1), part(2)]), [4.0]);
+    assert_eq!(sizes([part(1), None]), [0.0; 0]);
+    for (entries, code) in [
+        ("\"air\": (max_edge: 1)", "bad-name"),
+        ("\"air|air\": (max_edge: 1)", "bad-name"),
+        ("\"outer|outer\": (max_edge: 1)", "bad-name"),
+        ("\"air|poles\": (max_edge: 1)", "unknown-part"),
+        ("\"air|pole3\": (max_edge: 1)", "unknown-part"),
+        ("\"air|pole\": (max_edge: 1), \"pole|air\": (max_edge: 1)", "duplicate-name"),
+        ("\"air|pole\": (max_edge: \"1 deg\")", "wrong-unit"),
+        ("\"air|pole\": (max_edge: 0)", "not-positive"),
+        ("\"air|pole\": (max_edg: 0)", "unknown-field"),
+        ("\"air|pole\": ()", "missing-field"),
+    ] {
+        assert_eq!(codes(&with(entries)), [code], "{entries}");
+    }
 }
 
 #[test]

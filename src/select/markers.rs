@@ -2,9 +2,9 @@
 
 use crate::arrangement::Arrangement;
 use crate::brep::complex::Marker;
-use crate::ids::{Id, IdVec, MarkerId, PartId};
+use crate::ids::{Id, IdVec, LeafId, MarkerId, PartId};
 use crate::primitive::solid::Solid;
-use crate::scene::model::{BoundaryId, BoundarySelection, Scene};
+use crate::scene::model::{BoundaryId, BoundarySelection, OUTER, Scene};
 use std::collections::BTreeMap;
 
 /// The two parts at an interface in file order, the outside last, and the named boundary on it.
@@ -74,8 +74,9 @@ pub fn assign(
                     if is_alone { name.clone() } else { format!("{name}[{interface}]") }
                 }
             };
-            let part = |p: PartId| (p != OUTSIDE).then_some(p);
-            Marker { name, parts: parts.map(part), interface: numbers[&(parts, None)] }
+            let parts_of = parts.map(|p| (p != OUTSIDE).then_some(p));
+            let max_edge = scene.interfaces_between(parts_of).map(|(_, i)| i.max_edge).reduce(f64::min);
+            Marker { name, parts: parts_of, interface: numbers[&(parts, None)], max_edge }
         })
         .collect();
     let marker_of = keys.iter().map(|k| k.map_or(MarkerId(0), |k| numbers[&k])).collect();
@@ -83,7 +84,7 @@ pub fn assign(
 }
 
 fn interface_name(scene: &Scene, parts: [PartId; 2]) -> String {
-    let name = |p: PartId| if p == OUTSIDE { "outer" } else { &scene.parts[p].name };
+    let name = |p: PartId| if p == OUTSIDE { OUTER } else { &scene.parts[p].name };
     format!("{}|{}", name(parts[0]), name(parts[1]))
 }
 
@@ -99,10 +100,13 @@ fn boundaries_of<'s>(
         let is_selected = parts.contains(&boundary.part)
             && match &boundary.selection {
                 BoundarySelection::Outer => parts[1] == OUTSIDE,
-                BoundarySelection::Side { leaves, side } => arrangement.cells.owners_of(cell).iter().any(|owner| {
+                BoundarySelection::Sides(sides) => arrangement.cells.owners_of(cell).iter().any(|owner| {
                     let solid = &solids[owner.leaf.index()];
                     let surface = &solid.surfaces[solid.facets[owner.facet as usize].surface as usize];
-                    leaves.contains(&owner.leaf) && side.as_ref().is_none_or(|s| *s == surface.side)
+                    let is_it = |(leaf, side): &(LeafId, Option<String>)| {
+                        *leaf == owner.leaf && side.as_ref().is_none_or(|s| *s == surface.side)
+                    };
+                    sides.iter().any(is_it)
                 }),
             };
         is_selected.then_some(id)

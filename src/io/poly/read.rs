@@ -18,11 +18,23 @@ const FORMAT: &str = "the format is that of TetGen's manual, section 5.2; counts
 /// # Errors
 /// If it cannot be read or is no such file; with the line.
 pub fn read(path: &Path) -> Result<Plc, Diagnostic> {
-    let is_smesh = path.extension().is_some_and(|e| e == "smesh");
+    let is_smesh = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("smesh"));
     let text = load(path)?;
-    let nodes = Lines::new(&text).next().and_then(|l| l.words.first().copied()) == Some("0");
-    let nodes = if nodes { Some(load(&path.with_extension("node"))?) } else { None };
-    parse(&text, nodes.as_deref(), is_smesh)
+    let has_none = Lines::new(&text).next().and_then(|l| l.words.first().copied()) == Some("0");
+    if !has_none {
+        return parse(&text, None, is_smesh);
+    }
+    let beside = path.with_extension("node");
+    let nodes = load(&beside).map_err(|mut fault| {
+        fault.message = format!("{} leaves its vertices to a .node file: {}", path.display(), fault.message);
+        fault
+    })?;
+    parse(&text, Some((&beside.display().to_string(), &nodes)), is_smesh)
+}
+
+/// Whether a file name is that of a .poly or .smesh.
+pub fn is_plc(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("poly") || e.eq_ignore_ascii_case("smesh"))
 }
 
 fn load(path: &Path) -> Result<String, Diagnostic> {
@@ -37,23 +49,28 @@ fn load(path: &Path) -> Result<String, Diagnostic> {
     if size.len() > MAX_BYTES {
         return Err(refused(format!("it is larger than {MAX_BYTES} bytes")));
     }
-    std::fs::read_to_string(path).map_err(|e| refused(e.to_string()))
+    let text = std::fs::read_to_string(path).map_err(|e| refused(e.to_string()))?;
+    // Some editors begin a file with a byte order mark.
+    Ok(match text.strip_prefix('\u{feff}') {
+        Some(rest) => rest.to_owned(),
+        None => text,
+    })
 }
 
-/// Parses the text of a .poly or .smesh file, with the text of the .node file if the vertices stand there.
+/// Parses the text of a .poly or .smesh file, with the name and text of the .node file if the vertices stand there.
 ///
 /// # Errors
 /// At the first line that is not what TetGen would expect.
-pub fn parse(text: &str, nodes: Option<&str>, is_smesh: bool) -> Result<Plc, Diagnostic> {
+pub fn parse(text: &str, nodes: Option<(&str, &str)>, is_smesh: bool) -> Result<Plc, Diagnostic> {
     let mut lines = Lines::new(text);
     let mut plc = Plc::default();
     let first = match nodes {
-        Some(nodes) => {
+        Some((file, nodes)) => {
             lines.expect("the number of vertices")?;
             // Places are those of the file that is read; this is another one.
             let elsewhere = |d: Diagnostic| {
-                let line = d.span.map_or(0, |s| s.line);
-                Diagnostic { message: format!("line {line} of the .node file: {}", d.message), span: None, ..d }
+                let Span { line, column } = d.span.unwrap_or_default();
+                Diagnostic { message: format!("{file}:{line}:{column}: {}", d.message), span: None, ..d }
             };
             vertices(&mut Lines::new(nodes), &mut plc).map_err(elsewhere)?
         }
