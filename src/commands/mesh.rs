@@ -70,7 +70,8 @@ pub fn run(args: &MeshArgs, session: &mut Session) -> io::Result<Exit> {
         Ok(programs) => programs,
         Err(fault) => return complain(vec![fault], args, session, Exit::Outside),
     };
-    if let Some(fault) = args.output.iter().find_map(|path| Format::of(path).err()) {
+    let unknown = args.output.iter().find_map(|path| Format::of(path).err());
+    if let Some(fault) = unknown.or_else(|| session::overwriting(&args.path, &args.output)) {
         return complain(vec![fault], args, session, Exit::Usage);
     }
     let mut task = match load(args, session::overrides(&args.changes), &mut timings) {

@@ -7,7 +7,7 @@ use crate::report::diagnostics::{self, Style};
 use crate::report::timing::{Listener, Timings};
 use crate::scene::model::RemeshMode;
 use std::io::{self, IsTerminal, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
@@ -108,6 +108,14 @@ impl<'a> Session<'a> {
         serde_json::to_writer_pretty(&mut *self.out, value)?;
         self.out.write_all(b"\n")
     }
+}
+
+/// The fault of writing over the file that is read.
+pub fn overwriting(input: &Path, outputs: &[PathBuf]) -> Option<Diagnostic> {
+    let input = std::fs::canonicalize(input).ok()?;
+    let same = outputs.iter().find(|output| std::fs::canonicalize(output).is_ok_and(|o| o == input))?;
+    let message = format!("{} is the file that is read: it would be overwritten", same.display());
+    Some(Diagnostic::error("same-file", message).hint("name another file with -o"))
 }
 
 /// Writes diagnostics to standard error.

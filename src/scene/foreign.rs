@@ -49,7 +49,7 @@ pub(super) fn told(path: &Path) -> Option<Diagnostic> {
         hint +=
             &format!("Scene(units: \"mm\", parts: [Part(name: \"a\", solid: Import(file: {:?}))])", file.display().to_string());
     }
-    Some(Diagnostic::error("no-scene", format!("{}: this is {what}, not a scene", path.display())).hint(hint))
+    Some(Diagnostic::error("no-scene", format!("this is {what}, not a scene")).hint(hint))
 }
 
 #[cfg(test)]

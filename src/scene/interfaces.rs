@@ -55,6 +55,10 @@ fn names<'a>(reader: &mut Reader<'a>, key: Raw<'a>, parts: &Parts, known: &BTree
 }
 
 fn max_edge<'a>(reader: &mut Reader<'a>, value: Raw<'a>) -> Option<f64> {
+    if !value.0.starts_with(|c: char| c == '(' || c.is_alphabetic()) {
+        let hint = "write fields in parentheses: (max_edge: \"2 mm\")";
+        return reader.fail(value, "wrong-type", "expected what is asked of the interface", hint);
+    }
     let node: ast::Interface = reader.read(value)?;
     let raw = reader.need(Owner { kind: "an interface", raw: value }, "max_edge", node.max_edge)?;
     reader.size("max_edge", raw)

@@ -5,7 +5,7 @@ use super::memory::facet_estimate;
 use super::model::{Division, Leaf, Node, Operation, Primitive};
 use super::motion::Motion;
 use super::place::placed;
-use super::reader::LARGEST;
+use super::reader::MAX_LENGTH;
 use super::tree::{LocalLeaf, Tree};
 use crate::diag::{Diagnostic, Span};
 use crate::geom::{Affine, Vec3};
@@ -14,6 +14,9 @@ use std::collections::HashMap;
 
 /// Memory of one facet of a leaf through all stages, in bytes: vertices, edges, uses and labels, a few copies of each.
 const BYTES_PER_FACET: f64 = 600.0;
+
+/// What all Scales around a solid may make of a length together: a single factor's limits, and the rounding of turns.
+const SCALES: std::ops::RangeInclusive<f64> = 0.999_999e-6..=1.000_001e6;
 
 /// Facets from which on a user should know beforehand: about half a minute's work.
 const MANY_FACETS: f64 = 1e6;
@@ -116,9 +119,18 @@ impl<'l> Planter<'l> {
     }
 
     fn leaf(&mut self, local: &LocalLeaf, settings: Settings) -> Result<LeafId, Diagnostic> {
+        let linear = self.motions.iter().fold(nalgebra::Matrix3::<f64>::identity(), |m, motion| m * motion.linear);
+        let factors = [0, 1, 2].map(|k| linear.column(k).norm());
+        if !factors.iter().all(|f| SCALES.contains(f)) {
+            let factor = factors.into_iter().max_by(|a, b| libm::log(*a).abs().total_cmp(&libm::log(*b).abs())).unwrap_or(1.0);
+            let message = format!("the Scales around this solid make it {factor:.1e} times as large, all together");
+            return Err(Diagnostic::error("out-of-range", message)
+                .at(local.span)
+                .hint("together they go from 1e-6 to 1e6; write the solid in its true size, with a unit"));
+        }
         let (primitive, transform) = placed(&local.primitive, self.motions.iter().rev());
         let anchor = transform * nalgebra::Point3::from(anchor(&primitive));
-        if !anchor.coords.iter().all(|x| x.abs() <= LARGEST) {
+        if !anchor.coords.iter().all(|x| x.abs() <= MAX_LENGTH) {
             let message = "a copy of this solid lies farther out than 1e9 units";
             return Err(Diagnostic::error("out-of-range", message)
                 .at(local.span)

@@ -9,6 +9,7 @@
 //! ```
 #![doc = include_str!("LANGUAGE.md")]
 
+mod arcs;
 mod ast;
 mod curves;
 mod expr;
@@ -94,7 +95,7 @@ pub fn load(path: &Path, overrides: &[(String, String)], limits: &Limits) -> Out
 }
 
 fn read_text(path: &Path, limits: &Limits) -> Result<String, Diagnostic> {
-    let fault = |code, what: &str, hint: &str| Diagnostic::error(code, format!("{}: {what}", path.display())).hint(hint);
+    let fault = |code, what: &str, hint: &str| Diagnostic::error(code, what).hint(hint);
     let missing = |error: std::io::Error| {
         fault("missing-file", &error.to_string(), "give the path of a scene file; `gsm new` writes one to start from")
     };

@@ -272,6 +272,17 @@ fn a_side_is_found_by_the_name_that_each_solid_has_for_it() {
 }
 
 #[test]
+fn scales_are_limited_all_together() {
+    let scaled = |factors: &[&str]| {
+        let open: String = factors.iter().map(|f| format!("Scale(by: {f}, solid: ")).collect();
+        of_solids("", &[&format!("{open}Sphere(radius: 1){}", ")".repeat(factors.len()))])
+    };
+    assert_eq!(codes(&scaled(&["1e6", "1e6"])), ["out-of-range"]);
+    assert_eq!(codes(&scaled(&["1e-6", "(1, 1e-3, 1)"])), ["out-of-range"]);
+    assert_eq!(scene(&scaled(&["1e6", "1e-6", "(1, -1e-6, 1e6)"])).leaves.len(), 1);
+}
+
+#[test]
 fn interfaces_are_named_by_their_parts_in_either_order() {
     let with = |entries: &str| {
         format!(
@@ -301,6 +312,7 @@ fn interfaces_are_named_by_their_parts_in_either_order() {
         ("\"air|pole\": (max_edge: 0)", "not-positive"),
         ("\"air|pole\": (max_edg: 0)", "unknown-field"),
         ("\"air|pole\": ()", "missing-field"),
+        ("\"air|pole\": 3", "wrong-type"),
     ] {
         assert_eq!(codes(&with(entries)), [code], "{entries}");
     }

@@ -2,7 +2,7 @@
 
 use crate::arrangement::Arrangement;
 use crate::brep::complex::Marker;
-use crate::ids::{Id, IdVec, LeafId, MarkerId, PartId};
+use crate::ids::{Id, IdVec, MarkerId, PartId};
 use crate::primitive::solid::Solid;
 use crate::scene::model::{BoundaryId, BoundarySelection, OUTER, Scene};
 use std::collections::BTreeMap;
@@ -43,10 +43,16 @@ pub fn assign(
     let mut claims: Vec<Claim> = vec![Claim::default(); scene.boundaries.len()];
     let mut keys: Vec<Option<Key>> = vec![None; kept.len()];
     let mut numbers: BTreeMap<Key, MarkerId> = BTreeMap::new();
+    let mut boundaries_at: BTreeMap<PartId, Vec<BoundaryId>> = BTreeMap::new();
+    for (id, boundary) in scene.boundaries.enumerate() {
+        boundaries_at.entry(boundary.part).or_default().push(id);
+    }
     for (cell, _) in kept.iter().enumerate().filter(|k| *k.1) {
         let mut parts = parts_of(cell).map(|p| p.unwrap_or(OUTSIDE));
         parts.sort_unstable();
-        let mut named = boundaries_of(scene, solids, arrangement, cell, parts);
+        // In the order of the file, as the parts and the boundaries of each are.
+        let of_parts = parts.iter().filter_map(|p| boundaries_at.get(p)).flatten().copied();
+        let mut named = of_parts.filter(|&id| is_of(&scene.boundaries[id].selection, solids, arrangement, cell, parts));
         let first = named.next();
         if let Some(first) = first {
             claims[first.index()].has_facets = true;
@@ -62,6 +68,10 @@ pub fn assign(
     for (k, number) in numbers.values_mut().enumerate() {
         *number = MarkerId::new(k);
     }
+    let mut pairs_of = vec![0u32; scene.boundaries.len()];
+    for boundary in numbers.keys().filter_map(|key| key.1) {
+        pairs_of[boundary.index()] += 1;
+    }
     let markers = numbers
         .keys()
         .map(|&(parts, boundary)| {
@@ -69,7 +79,7 @@ pub fn assign(
             let name = match boundary {
                 None => interface,
                 Some(b) => {
-                    let is_alone = numbers.keys().filter(|k| k.1 == Some(b)).count() == 1;
+                    let is_alone = pairs_of[b.index()] == 1;
                     let name = &scene.boundaries[b].name;
                     if is_alone { name.clone() } else { format!("{name}[{interface}]") }
                 }
@@ -88,27 +98,16 @@ fn interface_name(scene: &Scene, parts: [PartId; 2]) -> String {
     format!("{}|{}", name(parts[0]), name(parts[1]))
 }
 
-/// The named boundaries that a sub-cell belongs to, in the order of the file; the first one names it.
-fn boundaries_of<'s>(
-    scene: &'s Scene,
-    solids: &'s [Solid],
-    arrangement: &'s Arrangement,
-    cell: usize,
-    parts: [PartId; 2],
-) -> impl Iterator<Item = BoundaryId> + 's {
-    scene.boundaries.enumerate().filter_map(move |(id, boundary)| {
-        let is_selected = parts.contains(&boundary.part)
-            && match &boundary.selection {
-                BoundarySelection::Outer => parts[1] == OUTSIDE,
-                BoundarySelection::Sides(sides) => arrangement.cells.owners_of(cell).iter().any(|owner| {
-                    let solid = &solids[owner.leaf.index()];
-                    let surface = &solid.surfaces[solid.facets[owner.facet as usize].surface as usize];
-                    let is_it = |(leaf, side): &(LeafId, Option<String>)| {
-                        *leaf == owner.leaf && side.as_ref().is_none_or(|s| *s == surface.side)
-                    };
-                    sides.iter().any(is_it)
-                }),
-            };
-        is_selected.then_some(id)
-    })
+/// Whether a sub-cell of a part's boundary between these parts belongs to a named boundary of it.
+fn is_of(selection: &BoundarySelection, solids: &[Solid], arrangement: &Arrangement, cell: usize, parts: [PartId; 2]) -> bool {
+    match selection {
+        BoundarySelection::Outer => parts[1] == OUTSIDE,
+        BoundarySelection::Sides(sides) => arrangement.cells.owners_of(cell).iter().any(|owner| {
+            let solid = &solids[owner.leaf.index()];
+            let surface = &solid.surfaces[solid.facets[owner.facet as usize].surface as usize];
+            let from = sides.partition_point(|(leaf, _)| *leaf < owner.leaf);
+            let own = sides[from..].iter().take_while(|(leaf, _)| *leaf == owner.leaf);
+            own.into_iter().any(|(_, side)| side.as_ref().is_none_or(|s| *s == surface.side))
+        }),
+    }
 }

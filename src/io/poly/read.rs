@@ -10,6 +10,9 @@ const MAX_BYTES: u64 = 1 << 30;
 /// Largest magnitude of a coordinate: products of three still have room in `f64`.
 const MAX_COORDINATE: f64 = 1e100;
 
+/// Largest region number: up to here every whole number is an `f64`.
+const MAX_REGION: f64 = (1u64 << 53) as f64;
+
 /// Where to look up what the lines of a file must hold.
 const FORMAT: &str = "the format is that of TetGen's manual, section 5.2; counts at the head of a list must fit what follows";
 
@@ -185,6 +188,10 @@ fn polygon<'a>(lines: &mut Lines<'a>, mut line: Line<'a>, numbers: Numbers) -> R
 
 fn seed(line: &Line) -> Result<Seed, Diagnostic> {
     let region = line.real(4, "the region number")?;
+    // TetGen takes any real number; two that differ behind the point must not become one region.
+    if region != region.trunc() || region.abs() > MAX_REGION {
+        return Err(line.fault(4, format!("the region number should be a whole number, not {region}")));
+    }
     let max_volume = if line.words.len() > 5 { line.real(5, "the largest volume")? } else { -1.0 };
     Ok(Seed { point: line.point(1)?, region: region as i64, max_volume: Some(max_volume).filter(|&v| v > 0.0) })
 }
@@ -217,7 +224,9 @@ impl Line<'_> {
     fn real(&self, k: usize, what: &str) -> Result<f64, Diagnostic> {
         let word = self.word(k, what)?;
         let value: Option<f64> = word.parse().ok().filter(|v: &f64| v.abs() <= MAX_COORDINATE);
-        value.ok_or_else(|| self.fault(k, format!("{what} should be a finite number, not `{}`", short(word))))
+        value.ok_or_else(|| {
+            self.fault(k, format!("{what} should be a finite number up to {MAX_COORDINATE:e}, not `{}`", short(word)))
+        })
     }
     fn point(&self, k: usize) -> Result<Vec3, Diagnostic> {
         Ok(Vec3::new(self.real(k, "x")?, self.real(k + 1, "y")?, self.real(k + 2, "z")?))

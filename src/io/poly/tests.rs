@@ -50,6 +50,9 @@ fn bad_files_are_refused_with_their_line() {
         ("1 3\n1 0 0 0\n1 1\n1\n3 1 1 2\n", 5, 7, "no vertex 2"),
         ("1 3\n1 0 0 0\n1 1\n1\n-3 1 1 2\n", 5, 1, "cannot be -3"),
         ("x", 1, 1, "integer"),
+        ("1 3\n1 0 0 1e101\n", 2, 7, "up to 1e100"),
+        ("1 3\n1 0 0 0\n0\n0\n1\n1 0 0 0 1.5\n", 6, 9, "whole number, not 1.5"),
+        ("1 3\n1 0 0 0\n0\n0\n1\n1 0 0 0 1e30\n", 6, 9, "whole number"),
     ] {
         let (l, c, message) = line_and_column(text);
         assert!((l, c) == (line, column) && message.contains(part), "{text:?}: {l}:{c}: {message}");
