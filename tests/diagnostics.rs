@@ -160,10 +160,7 @@ fn much_work_is_told_before_it_is_done_or_refused() {
     let warning = forecast_of("many.ron", "remesh: Full, max_deviation: 1e-4,").unwrap().unwrap();
     assert_eq!((warning.code, warning.severity), ("many-triangles", Severity::Warning));
     assert!(warning.message.contains("about 360000 triangles") && warning.message.contains("`a|outer`"), "{warning:?}");
-    assert!(
-        warning.span.is_some() && warning.hints[0].contains("1.8e-4") || warning.hints[0].contains("0.00018"),
-        "{warning:?}"
-    );
+    assert!(warning.span.is_some() && warning.hints[0].contains("1.8e-4"), "{warning:?}");
     let refused = forecast_of("too_many.ron", "remesh: Full, max_deviation: 1e-6,").unwrap_err();
     assert!(refused[0].code == "too-many-triangles" && refused[0].message.contains("36 million"), "{refused:?}");
     // No intersection, nothing remeshed; few triangles; a small `max_edge` alone.

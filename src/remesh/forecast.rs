@@ -28,21 +28,30 @@ pub fn forecast(complex: &Complex, scene: &Scene, memory: f64) -> Outcome<Option
         return Ok(None);
     };
     let name = &complex.markers[complex.markers[most].interface].name;
-    let numbers = format!("about {} triangles, {} of them on `{name}`", rounded(total), rounded(largest));
+    let numbers = match largest >= 0.99 * total {
+        true => format!("about {} triangles on `{name}`", rounded(total)),
+        false => format!("about {} triangles, {} of them on `{name}`", rounded(total), rounded(largest)),
+    };
     let leaf = complex.facets.iter().find(|f| f.marker == most).map(|f| complex.surfaces[f.surface].leaf);
     let place = |d: Diagnostic| leaf.and_then(|l| scene.leaves.get(l)).map_or(d.clone(), |l| d.at(l.span));
-    let hint = match scene.remesh.max_deviation {
+    let raise = match scene.remesh.max_deviation {
         Some(d) => {
-            format!("`max_deviation` {} would make {}; is `max_edge` very small?", short(d * total / MANY), rounded(MANY))
+            let limits = if asks_for_short_edges(scene) { ", and check `max_edge`" } else { "" };
+            format!("raise `max_deviation`: {:.1e} makes about {}{limits}", d * total / MANY, rounded(MANY))
         }
-        None => "raise `max_edge` of parts and interfaces".to_owned(),
+        None => "raise `max_edge` of the parts and interfaces".to_owned(),
     };
-    let hint = format!("{hint} `remesh: Off` leaves the facets as they are");
+    let hint = format!("{raise}; or leave the facets as they are by `remesh: Off`");
     if total * BYTES_PER_TRIANGLE > memory {
         let message = format!("remeshing would need more than {:.1} GB of memory: {numbers}", memory / 1e9);
         return Err(vec![place(Diagnostic::error("too-many-triangles", message)).hint(hint)]);
     }
     Ok(Some(place(Diagnostic::warning("many-triangles", format!("remeshing takes long: {numbers}"))).hint(hint)))
+}
+
+/// Whether edges are limited anywhere.
+fn asks_for_short_edges(scene: &Scene) -> bool {
+    !scene.interfaces.is_empty() || scene.parts.iter().any(|p| p.max_edge.is_some())
 }
 
 /// Triangles by marker.
@@ -52,6 +61,9 @@ fn counts(complex: &Complex, scene: &Scene) -> IdVec<MarkerId, f64> {
         return counts;
     }
     let least = LEAST_SIZE * Aabb::around(complex.vertices.iter().map(|v| &v.point)).diagonal();
+    if scene.remesh.max_deviation.is_none() && !asks_for_short_edges(scene) {
+        return counts;
+    }
     let wanted: IdVec<MarkerId, f64> = complex.markers.iter().map(|m| wanted_on(m, &scene.parts)).collect();
     let supports: IdVec<SurfaceId, Option<Support>> = complex.surfaces.iter().map(|s| support_of_shape(&s.shape)).collect();
     let is_treated = |f: &&ComplexFacet| f.is_modified || scene.remesh.mode == RemeshMode::Full;

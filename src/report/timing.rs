@@ -33,7 +33,10 @@ pub struct Timings {
 
 /// Hears warnings as soon as they are found.
 #[derive(Clone)]
-pub struct Listener(pub Arc<dyn Fn(&[Diagnostic]) + Send + Sync>);
+pub struct Listener(pub Arc<Hear>);
+
+/// What is done with warnings.
+pub type Hear = dyn Fn(&[Diagnostic]) + Send + Sync;
 
 impl fmt::Debug for Listener {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

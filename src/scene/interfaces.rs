@@ -41,7 +41,7 @@ fn names<'a>(reader: &mut Reader<'a>, key: Raw<'a>, parts: &Parts, known: &BTree
     for name in [a, b].into_iter().filter(|name| *name != OUTER && !known.contains(name)) {
         are_known = false;
         // It may be among those that cannot be read.
-        if !parts.is_incomplete {
+        if !parts.is_incomplete && !reader.is_full() {
             let fault = Diagnostic::error("unknown-part", format!("there is no part `{name}`")).at(reader.span(key));
             reader.fault(with_names(fault, name, known.iter().copied().chain([OUTER])));
         }

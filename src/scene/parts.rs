@@ -153,6 +153,9 @@ impl<'l> Parts<'l> {
         side: Option<&str>,
         at: Raw<'a>,
     ) -> Option<BoundarySelection> {
+        if reader.is_full() {
+            return None;
+        }
         let of_part = &self.planter.named;
         let mut leaves: Vec<LeafId> = match of {
             Some(of) => of_part.iter().filter(|(name, _)| name == of).map(|(_, leaf)| *leaf).collect(),

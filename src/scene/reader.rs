@@ -59,7 +59,7 @@ impl<'a> Reader<'a> {
 
     /// Reports a fault.
     pub fn fault(&mut self, diagnostic: Diagnostic) {
-        if self.faults.len() < MAX_FAULTS {
+        if !self.is_full() {
             self.faults.push(diagnostic);
         }
     }
@@ -85,6 +85,10 @@ impl<'a> Reader<'a> {
     /// Whether anything was wrong.
     pub fn has_faults(&self) -> bool {
         !self.faults.is_empty()
+    }
+    /// Whether further faults are not kept: then their hints, which may be costly, need not be made.
+    pub fn is_full(&self) -> bool {
+        self.faults.len() >= MAX_FAULTS
     }
     /// Where `raw` stands.
     pub fn span(&self, raw: Raw<'a>) -> Span {

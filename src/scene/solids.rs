@@ -199,6 +199,9 @@ impl<'r, 'a> SolidReader<'r, 'a> {
 
     fn named(&mut self, raw: Raw<'a>, name: &str) -> Option<Rc<Tree>> {
         let Some((value, state)) = self.library.entries.get_mut(name) else {
+            if self.reader.is_full() {
+                return None;
+            }
             let fault = Diagnostic::error("unknown-solid", format!("there is no solid `{name}` in `solids`"));
             let fault = with_names(fault.at(self.reader.span(raw)), name, self.library.entries.keys().map(String::as_str));
             self.reader.fault(fault);

@@ -272,6 +272,19 @@ fn a_side_is_found_by_the_name_that_each_solid_has_for_it() {
 }
 
 #[test]
+fn very_many_wrong_names_are_told_in_time() {
+    // All pairs of names would be 36 million comparisons.
+    let n = 6000;
+    let list = |entry: &dyn Fn(usize) -> String| (0..n).map(entry).collect::<Vec<_>>().join(",");
+    let params = list(&|k| format!("\"param{k}\": 1"));
+    let parts = list(&|k| format!("Part(name: \"p{k}\", solid: Sphere(radius: \"parm{k}\"))"));
+    let start = std::time::Instant::now();
+    let faults = codes(&format!("Scene(units: \"mm\", params: {{{params}}}, parts: [{parts}])"));
+    assert!(faults.len() == 200 && faults.iter().all(|code| *code == "unknown-parameter"));
+    assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
+}
+
+#[test]
 fn scales_are_limited_all_together() {
     let scaled = |factors: &[&str]| {
         let open: String = factors.iter().map(|f| format!("Scale(by: {f}, solid: ")).collect();
