@@ -285,6 +285,25 @@ fn very_many_wrong_names_are_told_in_time() {
 }
 
 #[test]
+fn holes_lie_in_the_outer_loop_and_in_no_other_hole() {
+    let faults = |holes: &str| {
+        let solid = format!("Extrude(profile: Rectangle(min: (0, 0), max: (10, 10)), holes: [{holes}], height: 1)");
+        read(&of_solids("", &[&solid])).err().unwrap_or_default().into_iter().map(|f| f.message).collect::<Vec<_>>()
+    };
+    let square = "Rectangle(min: (2, 2), max: (6, 6))";
+    assert_eq!(faults(&format!("{square}, Circle(radius: 1, center: (8, 8)), Circle(radius: 1, center: (8, 2))")), [""; 0]);
+    for (other, said) in [
+        ("Circle(radius: 1, center: (4, 4))", "a hole lies in another hole"),
+        ("Rectangle(min: (12, 2), max: (14, 4))", "a hole lies outside of the outer loop"),
+    ] {
+        for holes in [format!("{square}, {other}"), format!("{other}, {square}")] {
+            let found = faults(&holes);
+            assert!(found.len() == 1 && found[0].contains(said), "{holes}: {found:?}");
+        }
+    }
+}
+
+#[test]
 fn scales_are_limited_all_together() {
     let scaled = |factors: &[&str]| {
         let open: String = factors.iter().map(|f| format!("Scale(by: {f}, solid: ")).collect();
