@@ -200,7 +200,7 @@ pub struct Common {
     #[arg(long)]
     pub json: bool,
     /// Number of threads; the result does not depend on it [default: all processors].
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = threads)]
     pub threads: Option<NonZeroUsize>,
     /// Print errors only.
     #[arg(short, long)]
@@ -215,6 +215,15 @@ fn assignment(text: &str) -> Result<(String, String), String> {
         }
         _ => Err("expected NAME=VALUE, e.g. gap=0.8mm".to_owned()),
     }
+}
+
+/// More threads than this only cost memory.
+const MAX_THREADS: usize = 1024;
+
+/// A number of threads.
+fn threads(text: &str) -> Result<NonZeroUsize, String> {
+    let number = text.parse().ok().filter(|n: &NonZeroUsize| n.get() <= MAX_THREADS);
+    number.ok_or_else(|| format!("expected a whole number from 1 to {MAX_THREADS}"))
 }
 
 /// A finite number above zero.
@@ -243,5 +252,6 @@ mod tests {
         Cli::command().debug_assert();
         assert_eq!(assignment("gap = 0.8mm"), Ok(("gap".to_owned(), "0.8mm".to_owned())));
         assert!(assignment("gap").is_err() && assignment("=1").is_err());
+        assert!(threads("2").is_ok() && threads("0").is_err() && threads("99999").is_err());
     }
 }

@@ -117,6 +117,7 @@ fn evaluate_pieces(
         return Err(errors);
     }
     warnings.extend(findings::boundaries(scene, &arrangement, &selected));
+    warnings.extend(findings::interfaces(scene, &selected));
     drop(classified);
     let rounded = timings.measure("round", || round::round(selected, &arrangement, solids, tolerance, size)).map_err(single)?;
     match rounded {

@@ -37,11 +37,11 @@ fn main() -> ExitCode {
 fn run(cli: &Cli) -> io::Result<Exit> {
     let mut out = BufWriter::new(io::stdout().lock());
     let exit = match &cli.command {
-        Command::Build(args) => build::run(args, &mut Session { out: &mut out, common: &args.common }),
-        Command::Check(args) => check::run(args, &mut Session { out: &mut out, common: &args.common }),
-        Command::Mesh(args) => mesh::run(args, &mut Session { out: &mut out, common: &args.common }),
-        Command::Convert(args) => convert::run(args, &mut Session { out: &mut out, common: &args.common }),
-        Command::New(args) => new::run(args, &mut Session { out: &mut out, common: &args.common }),
+        Command::Build(args) => build::run(args, &mut Session::new(&mut out, &args.common)),
+        Command::Check(args) => check::run(args, &mut Session::new(&mut out, &args.common)),
+        Command::Mesh(args) => mesh::run(args, &mut Session::new(&mut out, &args.common)),
+        Command::Convert(args) => convert::run(args, &mut Session::new(&mut out, &args.common)),
+        Command::New(args) => new::run(args, &mut Session::new(&mut out, &args.common)),
     }?;
     out.flush()?;
     Ok(exit)

@@ -8,7 +8,7 @@ use crate::io::manifest::Manifest;
 use crate::plc::measure::{self, Measures};
 use crate::plc::{self, Plc};
 use crate::primitive;
-use crate::remesh;
+use crate::remesh::{self, forecast};
 use crate::report::timing::Timings;
 use crate::round::Repairs;
 use crate::scene::model::{RemeshMode, Scene};
@@ -54,6 +54,7 @@ pub fn run(path: &Path, overrides: Overrides, mut timings: Timings) -> Outcome<M
     let loaded = timings.measure("scene", || scene::load(path, overrides.set, &Limits::default()))?;
     let (mut scene, warnings) = (loaded.scene, loaded.warnings);
     scene.remesh.mode = overrides.remesh.unwrap_or(scene.remesh.mode);
+    timings.tell(&warnings);
     // Inside the pool of threads, so that each parallel loop does not have to wake it.
     rayon::scope(|_| build(scene, warnings.clone(), timings)).map_err(|faults| [warnings, faults].concat())
 }
@@ -63,6 +64,11 @@ fn build(scene: Scene, mut warnings: Vec<Diagnostic>, mut timings: Timings) -> O
     let evaluation = evaluate::evaluate(&scene, &solids, &mut timings)?;
     let (statistics, repairs) = (evaluation.statistics, evaluation.repairs);
     warnings.extend(evaluation.warnings);
+    // Before the work that it warns of.
+    if let Some(warning) = forecast::forecast(&evaluation.complex, &scene, Limits::default().memory)? {
+        timings.tell(std::slice::from_ref(&warning));
+        warnings.push(warning);
+    }
     let complex = timings.measure("remesh", || remesh::remesh(evaluation.complex, &scene.remesh, &scene.parts))?;
     let plc = timings.measure("plc", || plc::build::build(&complex, &scene.parts))?;
     let measures = timings.measure("measure", || measure::measure(&complex));

@@ -217,3 +217,31 @@ fn check_finds_a_manifest_that_belongs_to_something_else() {
         assert!(said.contains(part), "{part}: {said}");
     }
 }
+
+#[test]
+fn nothing_is_written_over_the_file_that_is_read_or_under_a_name_of_another_format() {
+    let folder = folder("cli-same");
+    for name in ["good.ron", "good.poly"] {
+        fs::write(folder.join(name), GOOD).unwrap();
+    }
+    let tetra = "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n";
+    fs::write(folder.join("t.off"), tetra).unwrap();
+    let before = files(&folder);
+    for (arguments, code, exit) in [
+        (&["build", "good.poly", "-o", "good.poly"][..], "same-file", 2),
+        (&["build", "good.ron", "-o", "good.ron"], "unknown-format", 2),
+        (&["build", "good.ron", "-o", "good.stl"], "unknown-format", 2),
+        (&["build", "good.ron", "-o", "good"], "unknown-format", 2),
+        (&["convert", "t.off", "./t.off"], "same-file", 1),
+        (&["convert", "good.ron", "t.obj"], "unknown-format", 1),
+        (&["build", "t.off"], "no-scene", 1),
+    ] {
+        let run = gsm(arguments, &folder);
+        let said = String::from_utf8(run.stderr).unwrap();
+        assert!(said.contains(&format!("error[{code}]")) && said.contains("hint: "), "{arguments:?}: {said}");
+        assert_eq!(run.status.code(), Some(exit), "{arguments:?}");
+        assert_eq!(files(&folder), before, "{arguments:?}");
+    }
+    assert_eq!(fs::read_to_string(folder.join("good.ron")).unwrap(), GOOD);
+    assert_eq!(fs::read_to_string(folder.join("t.off")).unwrap(), tetra);
+}

@@ -2,8 +2,10 @@
 
 use gsm::diag::{Diagnostic, Severity};
 use gsm::pipeline::{self, Overrides};
+use gsm::remesh::forecast::forecast;
 use gsm::report::timing::Timings;
 use gsm::scene::{Limits, load};
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -93,4 +95,84 @@ fn boundaries_that_lose_their_facets_are_told() {
              boundaries: [Side(name: "t", of: "low", side: "top"), Outer(name: "o")])])"#;
     let found = warnings("boundary_inside.ron", inside);
     assert!(found.len() == 2 && found.iter().all(|w| w.starts_with("empty-boundary") && w.contains("`a`")), "{found:?}");
+}
+
+#[test]
+fn interfaces_that_are_none_are_told() {
+    let text = r#"Scene(units: "mm", interfaces: {
+        "air|a": (max_edge: 1), "a|b": (max_edge: 1), "b|outer": (max_edge: 1)}, parts: [
+        Part(name: "air", solid: Block(size: (9, 9, 9), center: (0, 0, 0))),
+        Part(name: "a", solid: Sphere(radius: 1)), Part(name: "b", solid: Sphere(radius: 1, center: (2.5, 0, 0)))])"#;
+    let found = warnings("interface_none.ron", text);
+    let told: Vec<&str> = found.iter().filter_map(|w| w.strip_prefix("empty-interface: the interface ")).collect();
+    assert_eq!(
+        told,
+        ["`a|b` has no facet: `a` and `b` do not touch", "`b|outer` has no facet: nothing of `b` faces the outside"]
+    );
+}
+
+/// Longest edge of the facets of each curved interface.
+fn longest_edges(name: &str, settings: &str) -> BTreeMap<String, f64> {
+    let text = format!(
+        r#"Scene(units: "mm", remesh: Full, {settings} parts: [
+        Part(name: "air", solid: Cylinder(radius: 20, height: 30)),
+        Part(name: "rotor", solid: Cylinder(radius: 10, height: 30), max_edge: "0.4 cm"),
+        Part(name: "shaft", solid: Cylinder(radius: 5, height: 30))])"#
+    );
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    fs::write(&path, text).unwrap();
+    let complex = pipeline::run(&path, Overrides::default(), Timings::default()).unwrap().complex;
+    let mut longest = BTreeMap::new();
+    for facet in complex.facets.iter().filter(|f| complex.surfaces[f.surface].side == "side") {
+        let place = |k: usize| complex.vertices[facet.loops[0][k % facet.loops[0].len()]].point;
+        let edge = (0..facet.loops[0].len()).map(|k| (place(k + 1) - place(k)).norm()).fold(0.0, f64::max);
+        let entry = longest.entry(complex.markers[facet.marker].name.clone()).or_insert(0.0);
+        *entry = f64::max(*entry, edge);
+    }
+    longest
+}
+
+#[test]
+fn the_largest_edge_of_parts_and_interfaces_is_kept_where_it_is_asked_for() {
+    let plain = longest_edges("edges_plain.ron", "");
+    // A tenth more is what the language allows itself.
+    assert!(plain["air|rotor"] <= 4.4 && plain["rotor|shaft"] <= 4.4 && plain["air|outer"] > 5.0, "{plain:?}");
+    let fine = longest_edges("edges_fine.ron", "interfaces: {\"shaft|rotor\": (max_edge: \"1 mm\")},");
+    assert!(fine["rotor|shaft"] <= 1.1 && fine["air|rotor"] > 2.0 && fine["air|outer"] > 5.0, "{fine:?}");
+    let outside = longest_edges("edges_outside.ron", "interfaces: {\"air|outer\": (max_edge: 3)},");
+    assert!(outside["air|outer"] <= 3.3, "{outside:?}");
+}
+
+#[test]
+fn much_work_is_told_before_it_is_done_or_refused() {
+    let text = |settings: &str| {
+        format!("Scene(units: \"mm\", {settings} parts: [Part(name: \"a\", solid: Cylinder(radius: 10, height: 20))])")
+    };
+    let forecast_of = |name: &str, settings: &str| {
+        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+        fs::write(&path, text(settings)).unwrap();
+        let scene = load(&path, &[], &Limits::default()).unwrap().scene;
+        let solids = gsm::primitive::build(&scene).unwrap();
+        let complex = gsm::evaluate::evaluate(&scene, &solids, &mut Timings::default()).unwrap().complex;
+        forecast(&complex, &scene, Limits::default().memory)
+    };
+    // Equilateral triangles on a cylinder: 2 pi r h sqrt(3) / (6 r d), for d = 1e-4 about 363000; less on 24 chords.
+    let warning = forecast_of("many.ron", "remesh: Full, max_deviation: 1e-4,").unwrap().unwrap();
+    assert_eq!((warning.code, warning.severity), ("many-triangles", Severity::Warning));
+    assert!(warning.message.contains("about 360000 triangles") && warning.message.contains("`a|outer`"), "{warning:?}");
+    assert!(warning.span.is_some() && warning.hints[0].contains("1.8e-4"), "{warning:?}");
+    let refused = forecast_of("too_many.ron", "remesh: Full, max_deviation: 1e-6,").unwrap_err();
+    assert!(refused[0].code == "too-many-triangles" && refused[0].message.contains("36 million"), "{refused:?}");
+    // No intersection, nothing remeshed; few triangles; a small `max_edge` alone.
+    assert_eq!(forecast_of("few.ron", "remesh: Interfaces, max_deviation: 1e-6,").unwrap(), None);
+    assert_eq!(forecast_of("fewer.ron", "remesh: Full, max_deviation: 1e-2,").unwrap(), None);
+    assert_eq!(forecast_of("off.ron", "remesh: Off, max_deviation: 1e-6,").unwrap(), None);
+    let small = forecast_of("small.ron", "remesh: Full, interfaces: {\"a|outer\": (max_edge: 0.05)},").unwrap().unwrap();
+    assert_eq!(small.code, "many-triangles");
+    // Facets before there are any.
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("many_facets.ron");
+    let sphere = "Scene(units: \"mm\", parts: [Part(name: \"a\", solid: Sphere(radius: 1, discretization: (segments: 3000)))])";
+    fs::write(&path, sphere).unwrap();
+    let warnings = load(&path, &[], &Limits::default()).unwrap().warnings;
+    assert!(warnings.len() == 1 && warnings[0].code == "many-facets" && warnings[0].span.is_some(), "{warnings:?}");
 }

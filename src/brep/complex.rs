@@ -82,6 +82,8 @@ pub struct Marker {
     pub parts: [Option<PartId>; 2],
     /// The interface that a named boundary is a piece of; itself for an interface.
     pub interface: MarkerId,
+    /// Largest edge length that the scene asks for on this interface.
+    pub max_edge: Option<f64>,
 }
 
 /// A dropped facet.

@@ -44,7 +44,7 @@ impl Sketch {
         let name = if sides[0] < sides[1] { sides } else { [sides[1], sides[0]] };
         let marker = *self.marker.entry(name).or_insert_with(|| {
             let interface = MarkerId::new(markers.len());
-            markers.push(Marker { name: format!("{name:?}"), parts: [None, None], interface })
+            markers.push(Marker { name: format!("{name:?}"), parts: [None, None], interface, max_edge: None })
         });
         let source = (LeafId(0), self.complex.facets.len() as u32);
         let facet = ComplexFacet { loops, triangles, sides, surface, source, marker, is_modified: false };

@@ -6,7 +6,6 @@ use crate::diag::Diagnostic;
 use crate::io::atomic::{self, NewFile};
 use crate::io::{manifest, poly};
 use crate::pipeline::{self, Model};
-use crate::report::timing::Timings;
 use crate::report::{Report, text};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -17,7 +16,10 @@ use std::path::{Path, PathBuf};
 /// Those of standard output.
 pub fn run(args: &BuildArgs, session: &mut Session) -> io::Result<Exit> {
     session.set_threads();
-    let timings = Timings { on_begin: session.progress(), ..Timings::default() };
+    if let Some(fault) = args.output.as_ref().and_then(|path| misplaced(args, path)) {
+        return complain(vec![fault], args, session, "").map(|_| Exit::Usage);
+    }
+    let timings = session.timings(&args.scene);
     let mut model = match pipeline::run(&args.scene, session::overrides(&args.changes), timings) {
         Ok(model) => model,
         Err(faults) => return complain(faults, args, session, ""),
@@ -37,6 +39,16 @@ pub fn run(args: &BuildArgs, session: &mut Session) -> io::Result<Exit> {
         }
     }
     Ok(Exit::Good)
+}
+
+/// What is wrong with a place to write to, before the work.
+fn misplaced(args: &BuildArgs, path: &Path) -> Option<Diagnostic> {
+    if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("poly")) {
+        let message = format!("{}: a build is written as .poly", path.display());
+        let hint = "write -o NAME.poly; `gsm mesh` and `gsm convert` write other formats";
+        return Some(Diagnostic::error("unknown-format", message).hint(hint));
+    }
+    session::overwriting(&args.scene, &[path.to_path_buf()])
 }
 
 fn write(model: &mut Model, path: &Path) -> Result<(), Diagnostic> {

@@ -8,7 +8,6 @@ use crate::io::poly;
 use crate::pipeline;
 use crate::plc::check;
 use crate::report::diagnostics::{self, Style};
-use crate::report::timing::Timings;
 use serde::Serialize;
 use std::io::{self, IsTerminal};
 use std::path::Path;
@@ -28,14 +27,14 @@ struct Verdict {
 /// Those of standard output.
 pub fn run(args: &CheckArgs, session: &mut Session) -> io::Result<Exit> {
     session.set_threads();
-    let is_plc = args.path.extension().is_some_and(|e| e == "poly" || e == "smesh");
+    let is_plc = poly::is_plc(&args.path);
     let (counts, unit, findings) = if is_plc { check_file(&args.path) } else { check_scene(args, session) };
     let exit = Exit::of(&findings);
     let verdict = Verdict { path: args.path.display().to_string(), is_valid: exit == Exit::Good, counts, findings };
     if session.common.json {
         session.json(&verdict)?;
     } else {
-        session.out.write_all(render(&verdict, &args.path, &unit, session.common.quiet).as_bytes())?;
+        session.out.write_all(render(&verdict, args, &unit, session).as_bytes())?;
     }
     Ok(exit)
 }
@@ -62,7 +61,7 @@ fn check_file(path: &Path) -> Checked {
 }
 
 fn check_scene(args: &CheckArgs, session: &Session) -> Checked {
-    let timings = Timings { on_begin: session.progress(), ..Timings::default() };
+    let timings = session.timings(&args.path);
     match pipeline::run(&args.path, session::overrides(&args.changes), timings) {
         Ok(model) => {
             let mut findings = model.warnings;
@@ -77,12 +76,13 @@ fn check_scene(args: &CheckArgs, session: &Session) -> Checked {
     }
 }
 
-fn render(verdict: &Verdict, path: &Path, unit: &str, is_quiet: bool) -> String {
-    let text = session::source_for(&verdict.findings, path);
+fn render(verdict: &Verdict, args: &CheckArgs, unit: &str, session: &Session) -> String {
+    let text = session::source_for(&verdict.findings, &args.path);
     let is_coloured = io::stdout().is_terminal() && session::is_colour_wanted();
     let style = Style { file: &verdict.path, text: text.as_deref(), unit, is_coloured };
-    let mut out: String = verdict.findings.iter().map(|d| diagnostics::render(d, &style)).collect();
-    if is_quiet {
+    let mut out: String =
+        verdict.findings.iter().filter(|d| !session.is_seen(d)).map(|d| diagnostics::render(d, &style)).collect();
+    if session.common.quiet {
         return out;
     }
     let errors = verdict.findings.iter().filter(|d| d.severity > Severity::Warning).count();

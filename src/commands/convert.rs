@@ -1,7 +1,7 @@
 //! `gsm convert`: one file format to another.
 
 use super::mesh::with_version;
-use super::session::{Exit, Session};
+use super::session::{self, Exit, Session};
 use crate::cli::ConvertArgs;
 use crate::diag::Diagnostic;
 use crate::geom::Vec3;
@@ -54,6 +54,13 @@ pub fn run(args: &ConvertArgs, session: &mut Session) -> io::Result<Exit> {
 
 fn convert(args: &ConvertArgs) -> Result<Mesh, Vec<Diagnostic>> {
     let one = |fault| vec![fault];
+    if args.input.extension().is_some_and(|e| e.eq_ignore_ascii_case("ron")) {
+        let fault = Diagnostic::error("unknown-format", "this is a scene, not a mesh or surface");
+        return Err(one(fault.hint("`gsm build` makes a .poly of it, which `gsm convert` reads; `gsm mesh` makes a mesh")));
+    }
+    if let Some(fault) = session::overwriting(&args.input, std::slice::from_ref(&args.output)) {
+        return Err(one(fault));
+    }
     let format = with_version(Format::of(&args.output).map_err(one)?, args.msh);
     let manifest = Manifest::beside(&args.input).map_err(one)?;
     let unit = args.unit.clone().or_else(|| manifest.as_ref().map(|m| m.unit.clone()));
@@ -63,7 +70,7 @@ fn convert(args: &ConvertArgs) -> Result<Mesh, Vec<Diagnostic>> {
         })?,
         None => 1.0,
     };
-    let is_plc = args.input.extension().is_some_and(|e| e == "poly" || e == "smesh");
+    let is_plc = poly::is_plc(&args.input);
     let mesh = if is_plc {
         let plc = poly::read(&args.input).map_err(one)?;
         Input::from_plc(plc, manifest.as_ref())?.surface()

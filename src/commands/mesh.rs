@@ -64,13 +64,14 @@ struct Task {
 /// Those of standard output.
 pub fn run(args: &MeshArgs, session: &mut Session) -> io::Result<Exit> {
     session.set_threads();
-    let mut timings = Timings { on_begin: session.progress(), ..Timings::default() };
+    let mut timings = session.timings(&args.path);
     // A missing program, or a name that is no format, is told before the work.
     let programs = match find::find(args.tetgen.as_deref()) {
         Ok(programs) => programs,
         Err(fault) => return complain(vec![fault], args, session, Exit::Outside),
     };
-    if let Some(fault) = args.output.iter().find_map(|path| Format::of(path).err()) {
+    let unknown = args.output.iter().find_map(|path| Format::of(path).err());
+    if let Some(fault) = unknown.or_else(|| session::overwriting(&args.path, &args.output)) {
         return complain(vec![fault], args, session, Exit::Usage);
     }
     let mut task = match load(args, session::overrides(&args.changes), &mut timings) {
@@ -118,7 +119,7 @@ fn without_remeshing(failure: &Diagnostic, args: &MeshArgs, timings: &mut Timing
 
 /// A scene through the pipeline, or a .poly with its manifest.
 fn load(args: &MeshArgs, overrides: Overrides, timings: &mut Timings) -> Result<Task, Vec<Diagnostic>> {
-    if args.path.extension().is_some_and(|e| e == "poly" || e == "smesh") {
+    if poly::is_plc(&args.path) {
         let one = |fault| vec![fault];
         let manifest = Manifest::beside(&args.path).map_err(one)?;
         let plc = poly::read(&args.path).map_err(one)?;

@@ -4,10 +4,11 @@ use crate::cli::{Changes, Common, Remesh};
 use crate::diag::{Diagnostic, Severity};
 use crate::pipeline::Overrides;
 use crate::report::diagnostics::{self, Style};
+use crate::report::timing::{Listener, Timings};
 use crate::scene::model::RemeshMode;
 use std::io::{self, IsTerminal, Write};
-use std::path::Path;
-use std::sync::OnceLock;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
 /// Longest scene text that is read again to show a line of it.
@@ -50,9 +51,16 @@ pub struct Session<'a> {
     pub out: &'a mut dyn Write,
     /// Options of every command.
     pub common: &'a Common,
+    /// What standard error has been told already.
+    told: Arc<Mutex<Vec<Diagnostic>>>,
 }
 
-impl Session<'_> {
+impl<'a> Session<'a> {
+    /// With nothing told yet.
+    pub fn new(out: &'a mut dyn Write, common: &'a Common) -> Self {
+        Self { out, common, told: Arc::default() }
+    }
+
     /// Sets the number of threads, before the first parallel stage.
     pub fn set_threads(&self) {
         if let Some(n) = self.common.threads {
@@ -66,17 +74,30 @@ impl Session<'_> {
         (!self.common.quiet && !self.common.json && io::stderr().is_terminal()).then_some(show_progress as fn(&str))
     }
 
-    /// Writes diagnostics to standard error; `file` is the one that spans refer to.
+    /// Timings that show progress and tell warnings as soon as they are found; `file` is the one that spans refer to.
+    pub fn timings(&self, file: &Path) -> Timings {
+        let (told, file) = (self.told.clone(), file.to_path_buf());
+        let hear = move |warnings: &[Diagnostic]| {
+            complain(warnings, &file, "");
+            if let Ok(mut told) = told.lock() {
+                told.extend_from_slice(warnings);
+            }
+        };
+        let is_heard = !self.common.quiet && !self.common.json;
+        Timings { on_begin: self.progress(), on_warning: is_heard.then(|| Listener(Arc::new(hear))), ..Timings::default() }
+    }
+
+    /// Whether somebody who reads standard output has read this one on standard error already.
+    pub fn is_seen(&self, diagnostic: &Diagnostic) -> bool {
+        let is_told = || self.told.lock().is_ok_and(|told| told.contains(diagnostic));
+        io::stdout().is_terminal() && io::stderr().is_terminal() && is_told()
+    }
+
+    /// Writes diagnostics to standard error that are not there yet; `file` is the one that spans refer to.
     pub fn complain(&self, diagnostics: &[Diagnostic], file: &Path, unit: &str) {
-        let text = source_for(diagnostics, file);
-        let is_coloured = io::stderr().is_terminal() && is_colour_wanted();
-        let name = file.display().to_string();
-        let style = Style { file: &name, text: text.as_deref(), unit, is_coloured };
-        let mut err = io::stderr().lock();
-        for d in diagnostics.iter().filter(|d| !self.common.quiet || d.severity > Severity::Warning) {
-            // Nobody is left to tell if standard error is closed.
-            drop(err.write_all(diagnostics::render(d, &style).as_bytes()));
-        }
+        let told = self.told.lock().map_or_else(|_| Vec::new(), |told| told.clone());
+        let is_new = |d: &&Diagnostic| !told.contains(d) && (!self.common.quiet || d.severity > Severity::Warning);
+        complain(&diagnostics.iter().filter(is_new).cloned().collect::<Vec<_>>(), file, unit);
     }
 
     /// Writes a value as indented JSON.
@@ -86,6 +107,27 @@ impl Session<'_> {
     pub fn json(&mut self, value: &impl serde::Serialize) -> io::Result<()> {
         serde_json::to_writer_pretty(&mut *self.out, value)?;
         self.out.write_all(b"\n")
+    }
+}
+
+/// The fault of writing over the file that is read.
+pub fn overwriting(input: &Path, outputs: &[PathBuf]) -> Option<Diagnostic> {
+    let input = std::fs::canonicalize(input).ok()?;
+    let same = outputs.iter().find(|output| std::fs::canonicalize(output).is_ok_and(|o| o == input))?;
+    let message = format!("{} is the file that is read: it would be overwritten", same.display());
+    Some(Diagnostic::error("same-file", message).hint("name another file with -o"))
+}
+
+/// Writes diagnostics to standard error.
+fn complain(diagnostics: &[Diagnostic], file: &Path, unit: &str) {
+    let text = source_for(diagnostics, file);
+    let is_coloured = io::stderr().is_terminal() && is_colour_wanted();
+    let name = file.display().to_string();
+    let style = Style { file: &name, text: text.as_deref(), unit, is_coloured };
+    let mut err = io::stderr().lock();
+    for d in diagnostics {
+        // Nobody is left to tell if standard error is closed.
+        drop(err.write_all(diagnostics::render(d, &style).as_bytes()));
     }
 }
 

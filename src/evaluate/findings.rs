@@ -10,7 +10,7 @@ use crate::geom::polygon;
 use crate::ids::{LeafId, PartId};
 use crate::primitive::solid::Solid;
 use crate::round::Fault;
-use crate::scene::model::{BoundarySelection, Node, Policy, Scene};
+use crate::scene::model::{BoundarySelection, Interface, Node, OUTER, Policy, Scene};
 use crate::select::Selected;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -177,6 +177,23 @@ pub fn boundaries(scene: &Scene, arrangement: &Arrangement, selected: &Selected)
         }
     }
     found
+}
+
+/// Interfaces of which the scene asks something, and which are none.
+pub fn interfaces(scene: &Scene, selected: &Selected) -> Vec<Diagnostic> {
+    let found: BTreeSet<_> = selected.markers.iter().flat_map(|m| scene.interfaces_between(m.parts).map(|i| i.0)).collect();
+    let missing = scene.interfaces.iter().filter(|(names, _)| !found.contains(names));
+    let describe = |([a, b], interface): (&[String; 2], &Interface)| {
+        let (a, b) = if a == OUTER { (b, a) } else { (a, b) };
+        let (message, hint) = match b == OUTER {
+            true => (format!("nothing of `{a}` faces the outside"), "other parts cover it: take the entry out"),
+            false => (format!("`{a}` and `{b}` do not touch"), "name two parts that share a surface, or let them touch"),
+        };
+        Diagnostic::warning("empty-interface", format!("the interface `{a}|{b}` has no facet: {message}"))
+            .at(interface.span)
+            .hint(hint)
+    };
+    missing.map(describe).collect()
 }
 
 /// A result that rounding breaks: the parts and places.

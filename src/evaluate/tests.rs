@@ -34,6 +34,7 @@ fn scene(parts: Vec<(&str, Node)>, leaves: usize) -> Scene {
     };
     let part = |(name, solid): (&str, Node)| Part {
         name: name.to_string(),
+        copy_of: None,
         material: None,
         solid,
         max_edge: None,
@@ -52,6 +53,7 @@ fn scene(parts: Vec<(&str, Node)>, leaves: usize) -> Scene {
         leaves: (0..leaves).map(|_| leaf.clone()).collect(),
         parts: parts.into_iter().map(part).collect(),
         boundaries: IdVec::new(),
+        interfaces: Default::default(),
     }
 }
 

@@ -200,7 +200,7 @@ fn triangulate_general(
     if triangles.is_empty() { Err(PolygonError::Flat) } else { Ok(triangles) }
 }
 
-type Cdt = ConstrainedDelaunayTriangulation<Point2<f64>>;
+pub(crate) type Cdt = ConstrainedDelaunayTriangulation<Point2<f64>>;
 
 /// The triangulation with all these edges; `None` if they cross or overlap.
 fn constrained(at: &[[f64; 2]], edges: &[[usize; 2]]) -> Option<Cdt> {
@@ -209,10 +209,16 @@ fn constrained(at: &[[f64; 2]], edges: &[[usize; 2]]) -> Option<Cdt> {
     let positions: Vec<Point2<f64>> = at.iter().map(|p| Point2::new(tidy(p[0]), tidy(p[1]))).collect();
     let mut is_simple = true;
     let cdt = Cdt::try_bulk_load_cdt(positions, edges.to_vec(), |_| is_simple = false).ok()?;
-    // An edge through a vertex has become two.
-    let handle = FixedVertexHandle::from_index;
-    let is_edge = |e: &[usize; 2]| cdt.get_edge_from_neighbors(handle(e[0]), handle(e[1])).is_some();
-    (is_simple && cdt.num_vertices() == at.len() && edges.iter().all(is_edge)).then_some(cdt)
+    (is_simple && cdt.num_vertices() == at.len() && has_edges(&cdt, edges)).then_some(cdt)
+}
+
+/// Whether these are edges of the triangulation, and none has become two because it passes through a vertex. (Asking for them
+/// one by one would go round a vertex as often as it has edges.)
+pub(crate) fn has_edges(cdt: &Cdt, edges: &[[usize; 2]]) -> bool {
+    let sorted = |[a, b]: [usize; 2]| [a.min(b), a.max(b)];
+    let mut there: Vec<[usize; 2]> = cdt.undirected_edges().map(|e| sorted(e.vertices().map(|v| v.fix().index()))).collect();
+    there.sort_unstable();
+    edges.iter().all(|&e| there.binary_search(&sorted(e)).is_ok())
 }
 
 /// Steps of a grid over a figure: so few that a place moved by half a step is clearly off the circle through three others. The

@@ -44,6 +44,9 @@ pub struct MarkerEntry {
     pub interface: i64,
     /// Area, in the unit squared.
     pub area: f64,
+    /// Largest edge length that the scene asks for on the interface.
+    #[serde(default)]
+    pub max_edge: Option<f64>,
     /// Number of facets; 0 for an interface that named boundaries cover.
     pub facets: usize,
 }
@@ -59,7 +62,7 @@ pub struct RegionEntry {
     pub material: Option<String>,
     /// Volume of all its pieces, in the unit cubed.
     pub volume: f64,
-    /// Largest wanted edge length.
+    /// Largest edge length on its curved surfaces.
     pub max_edge: Option<f64>,
     /// Largest wanted volume of a tetrahedron.
     pub max_volume: Option<f64>,
@@ -93,6 +96,7 @@ impl Manifest {
             parts: marker.parts.map(name),
             interface: number(marker.interface.index()),
             area: measures.areas[id],
+            max_edge: marker.max_edge,
             facets: measures.facets[id],
         });
         let regions = scene.parts.enumerate().map(|(id, part)| RegionEntry {

@@ -157,19 +157,30 @@ impl<'a> Caster<'a> {
     /// ray grazes an edge, it may miss it.
     pub fn distance_to_next(&self, from: &Vec3, direction: &Vec3, skipped: u32) -> Option<f64> {
         let beyond_all = self.reach_from(from) / direction.norm();
-        let (segment, best) = (Segment::new(from, &(from + direction * beyond_all)), Cell::new(beyond_all));
-        // What lies behind the nearest triangle so far need not be looked at.
-        self.tree.search(
-            |b| segment.may_meet(b, best.get() / beyond_all),
-            |t| {
-                if t != skipped
-                    && let Some(d) = ray_triangle(from, direction, self.corners(t))
-                {
-                    best.set(best.get().min(d));
-                }
-            },
-        );
-        (best.get() < beyond_all).then(|| best.get())
+        let segment = Segment::new(from, &(from + direction * beyond_all));
+        // The next triangle is mostly near, and very many may lie behind it: so far at first, then four times as far.
+        let mut until = Aabb::around(self.corners(skipped).iter()).diagonal() / direction.norm();
+        loop {
+            let best = Cell::new(until.min(beyond_all));
+            // What lies behind the nearest triangle so far need not be looked at.
+            self.tree.search(
+                |b| segment.may_meet(b, best.get() / beyond_all),
+                |t| {
+                    if t != skipped
+                        && let Some(d) = ray_triangle(from, direction, self.corners(t))
+                    {
+                        best.set(best.get().min(d));
+                    }
+                },
+            );
+            if best.get() < until.min(beyond_all) {
+                return Some(best.get());
+            }
+            if until.is_nan() || until >= beyond_all {
+                return None;
+            }
+            until = (4.0 * until).max(f64::MIN_POSITIVE);
+        }
     }
 }
 

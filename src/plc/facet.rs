@@ -2,11 +2,11 @@
 
 use super::PlcFacet;
 use crate::geom::Vec3;
-use crate::geom::polygon::{PolygonError, triangulate, vector_area};
+use crate::geom::polygon::{Cdt, PolygonError, has_edges, triangulate, vector_area};
 use crate::geom::predicates::{Projection, orient2d};
 use crate::geom::union_find::UnionFind;
-use spade::handles::{FixedFaceHandle, FixedVertexHandle, PossiblyOuterTag};
-use spade::{ConstrainedDelaunayTriangulation, Point2, PositionInTriangulation, Triangulation};
+use spade::handles::{FixedFaceHandle, PossiblyOuterTag};
+use spade::{Point2, PositionInTriangulation, Triangulation};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A facet as TetGen understands it.
@@ -135,10 +135,7 @@ fn enclosed(facet: &PlcFacet, points: &[Vec3], projection: Projection) -> Result
     let mut is_simple = true;
     let cdt =
         Cdt::try_bulk_load_cdt(positions, segments.clone(), |_| is_simple = false).map_err(|_| PolygonError::NotSimple)?;
-    let handle = FixedVertexHandle::from_index;
-    // A segment through a vertex has become two.
-    let is_edge = |s: &[usize; 2]| cdt.get_edge_from_neighbors(handle(s[0]), handle(s[1])).is_some();
-    if !is_simple || cdt.num_vertices() != vertices.len() || !segments.iter().all(is_edge) {
+    if !is_simple || cdt.num_vertices() != vertices.len() || !has_edges(&cdt, &segments) {
         return Err(PolygonError::NotSimple);
     }
     let mut area = Area::default();
@@ -168,8 +165,6 @@ fn enclosed(facet: &PlcFacet, points: &[Vec3], projection: Projection) -> Result
     area.triangles = inner.map(|f| f.vertices().map(|v| vertices[v.fix().index()])).collect();
     if area.triangles.is_empty() { Err(PolygonError::Flat) } else { Ok(area) }
 }
-
-type Cdt = ConstrainedDelaunayTriangulation<Point2<f64>>;
 
 /// Marks what is reached from these faces without crossing a segment.
 fn carve(cdt: &Cdt, is_gone: &mut [bool], mut stack: Vec<FixedFaceHandle<PossiblyOuterTag>>) {

@@ -53,6 +53,7 @@ impl Sample {
             name: format!("{}|{}", name(b), name(a)),
             parts: [part(b), part(a)],
             interface: MarkerId(k as u32),
+            max_edge: None,
         });
         let facet = |(loops, sides): &(Vec<Vec<u32>>, [u32; 2])| {
             let wide: Vec<&[u32]> = loops.iter().filter(|w| w.len() > 2).map(Vec::as_slice).collect();
@@ -84,6 +85,7 @@ impl Sample {
         let count = self.facets.iter().flat_map(|f| f.1).max().unwrap_or(0);
         let parts = (0..count).map(|k| Part {
             name: format!("p{k}"),
+            copy_of: None,
             material: Some("iron".to_owned()),
             solid: Node::Boolean(Operation::Union, Vec::new()),
             max_edge: None,
@@ -102,6 +104,7 @@ impl Sample {
             leaves: IdVec::new(),
             parts: parts.collect(),
             boundaries: IdVec::new(),
+            interfaces: Default::default(),
         }
     }
 }

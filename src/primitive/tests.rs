@@ -39,6 +39,7 @@ pub(super) fn scene(leaves: Vec<Leaf>) -> Scene {
         leaves: leaves.into_iter().collect::<IdVec<_, _>>(),
         parts: IdVec::new(),
         boundaries: IdVec::new(),
+        interfaces: Default::default(),
     }
 }
 

@@ -46,6 +46,7 @@ mod bands;
 mod bends;
 mod creases;
 mod features;
+pub mod forecast;
 mod history;
 mod operators;
 mod pieces;

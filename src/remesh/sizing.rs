@@ -1,10 +1,11 @@
 //! How long edges should be and how far from the true surface facets may be.
 
 use super::workpiece::{Place, Workpiece};
+use crate::brep::complex::Marker;
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
 use crate::geom::bvh::Bvh;
-use crate::ids::{FacetId, Id, IdVec, PartId, SurfaceId, VertexId};
+use crate::ids::{FacetId, Id, IdVec, MarkerId, PartId, SurfaceId, VertexId};
 use crate::patch::fit::closest_on_triangle;
 use crate::patch::support::{Foot, Support};
 use crate::scene::model::Part;
@@ -29,7 +30,7 @@ const PER_STRIP: f64 = 1.2;
 const NARROWEST: f64 = 0.1;
 
 /// Smallest wanted length as a fraction of the model's size: keeps apexes finite.
-const LEAST_SIZE: f64 = 1e-4;
+pub(super) const LEAST_SIZE: f64 = 1e-4;
 
 /// Wanted length as a fraction of the model's size from which a place is taken for no apex.
 const LARGE_SIZE: f64 = 0.1;
@@ -118,7 +119,11 @@ pub(super) fn length_on(foot: &Foot, allowed: f64) -> f64 {
     (allowed / bend.max(f64::MIN_POSITIVE)).sqrt()
 }
 
-/// Limits from outside: parts' largest edges and thin gaps.
+/// Wanted length over the largest edge that a user allows: where triangles are thinned out, edges grow to 1.5 wanted lengths.
+/// Few are longer than that, by less than a tenth.
+const PER_LARGEST: f64 = 1.0 / 1.5;
+
+/// Limits from outside: largest edges of parts and interfaces, and thin gaps.
 pub(super) struct Limits {
     tree: Bvh,
     triangles: Vec<([Vec3; 3], SurfaceId)>,
@@ -127,7 +132,8 @@ pub(super) struct Limits {
     least: f64,
     /// A length that no apex asks for.
     large: f64,
-    max_edge: Vec<f64>,
+    /// By marker: the length that its largest edge asks for.
+    wanted: IdVec<MarkerId, f64>,
 }
 
 impl Limits {
@@ -136,15 +142,9 @@ impl Limits {
         let brep = &work.brep;
         let mut triangles = Vec::new();
         let mut touching = vec![Vec::new(); work.supports.len()];
-        let mut lengths = vec![f64::INFINITY; work.supports.len()];
         for facet in brep.topology.facets() {
             let surface = brep.facets[facet].surface;
             triangles.extend(brep.triangles(facet).map(|t| (t.map(|v| work.point(v)), surface)));
-            for region in brep.topology.sides(facet) {
-                let part = brep.regions.get(region).and_then(|r| r.part);
-                let wanted = part.and_then(|p| parts.get(p)?.max_edge).unwrap_or(f64::INFINITY);
-                lengths[surface.index()] = lengths[surface.index()].min(wanted);
-            }
         }
         for vertex in brep.topology.vertices() {
             let here: Vec<SurfaceId> = brep.topology.facets_at(vertex).map(|f| brep.facets[f].surface).collect();
@@ -163,13 +163,12 @@ impl Limits {
             touching,
             least: LEAST_SIZE * size,
             large: LARGE_SIZE * size,
-            max_edge: lengths,
+            wanted: brep.markers.iter().map(|m| wanted_on(m, parts)).collect(),
         }
     }
 
-    /// The wanted length, at most `length`, at a point of some surfaces; gaps do not make it less than `finest`.
-    fn limit(&self, point: &Vec3, length: f64, surfaces: &[SurfaceId], finest: f64) -> f64 {
-        let wanted = surfaces.iter().map(|s| self.max_edge[s.index()]).fold(f64::INFINITY, f64::min);
+    /// The wanted length, at most `length` and `wanted`, at a point of some surfaces; gaps do not make it less than `finest`.
+    fn limit(&self, point: &Vec3, [length, wanted]: [f64; 2], surfaces: &[SurfaceId], finest: f64) -> f64 {
         let limited = PER_GAP * self.gap(point, length.min(wanted) / PER_GAP, surfaces);
         limited.max(finest.min(wanted)).max(self.least)
     }
@@ -192,6 +191,12 @@ impl Limits {
     pub fn is_clear(&self, point: &Vec3, reach: f64, surface: SurfaceId) -> bool {
         self.gap(point, reach, &[surface]) >= reach
     }
+}
+
+/// The wanted length on an interface that the parts and the interface itself allow.
+pub(super) fn wanted_on(marker: &Marker, parts: &IdVec<PartId, Part>) -> f64 {
+    let of_parts = marker.parts.iter().filter_map(|part| parts.get((*part)?)?.max_edge);
+    PER_LARGEST * of_parts.chain(marker.max_edge).fold(f64::INFINITY, f64::min)
 }
 
 impl Workpiece {
@@ -217,7 +222,9 @@ impl Workpiece {
             surfaces.iter().filter_map(|&s| self.supports[s].as_deref()).map(|s| s.spacing(&point)).fold(0.0, f64::max);
         let size = size.max(self.bound.finest(spacing));
         let finest = (FINEST * spacing).max(NARROWEST * size);
-        limits.limit(&point, size.min(self.strip_width(vertex) * PER_STRIP), &surfaces, finest)
+        let facets = star.iter().filter_map(|&f| limits.wanted.get(self.brep.facets[f].marker));
+        let wanted = facets.copied().fold(f64::INFINITY, f64::min);
+        limits.limit(&point, [size.min(self.strip_width(vertex) * PER_STRIP), wanted], &surfaces, finest)
     }
 
     /// Width of the surface at a vertex of a feature curve: the shortest edge straight across to another curve. Edges around a

@@ -36,7 +36,7 @@ fn complex(points: Vec<(Vec3, Freedom)>, polygons: Vec<(Vec<u32>, u32)>, shapes:
         vertices: points.into_iter().map(|(point, freedom)| ComplexVertex { point, freedom }).collect(),
         regions: [Region { part: None }, Region { part: Some(PartId(0)) }].into_iter().collect(),
         surfaces: shapes.into_iter().map(surface).collect(),
-        markers: [Marker { name: "a|outer".into(), parts: [Some(PartId(0)), None], interface: MarkerId(0) }]
+        markers: [Marker { name: "a|outer".into(), parts: [Some(PartId(0)), None], interface: MarkerId(0), max_edge: None }]
             .into_iter()
             .collect(),
         killed: Vec::new(),

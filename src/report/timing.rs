@@ -1,6 +1,9 @@
 //! How long each stage took: wall time and processor time of all threads.
 
+use crate::diag::Diagnostic;
 use serde::Serialize;
+use std::fmt;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// One stage.
@@ -23,6 +26,22 @@ pub struct Timings {
     /// Called with the name of each stage that begins: where progress is shown.
     #[serde(skip)]
     pub on_begin: Option<fn(&'static str)>,
+    /// Where warnings go that shall not wait for the end.
+    #[serde(skip)]
+    pub on_warning: Option<Listener>,
+}
+
+/// Hears warnings as soon as they are found.
+#[derive(Clone)]
+pub struct Listener(pub Arc<Hear>);
+
+/// What is done with warnings.
+pub type Hear = dyn Fn(&[Diagnostic]) + Send + Sync;
+
+impl fmt::Debug for Listener {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Listener")
+    }
 }
 
 impl Timings {
@@ -36,6 +55,13 @@ impl Timings {
         let cpu = processor_time().zip(cpu).map(|(after, before)| after - before);
         self.stages.push(StageTime { stage, wall: wall.elapsed().as_secs_f64(), cpu });
         result
+    }
+
+    /// Tells warnings at once.
+    pub fn tell(&self, warnings: &[Diagnostic]) {
+        if let Some(Listener(hear)) = self.on_warning.as_ref().filter(|_| !warnings.is_empty()) {
+            hear(warnings);
+        }
     }
 
     /// The sum over all stages.

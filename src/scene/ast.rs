@@ -33,10 +33,11 @@ macro_rules! primitives {
 }
 
 nodes! {
-    Scene { units, tolerance, overlap, gaps, params, discretization, triangulated, remesh, max_deviation, patches, mesh, solids, parts }
+    Scene { units, tolerance, overlap, gaps, params, discretization, triangulated, remesh, max_deviation, patches, mesh, solids, parts, interfaces }
     Part { name, material, solid, copies, max_edge, max_volume, discretization, triangulated, boundaries }
     Discretization { segments, max_angle, max_chord_error }
     Mesh { ratio, dihedral, min_dihedral, max_ratio, max_aspect, min_angle, max_condition }
+    Interface { max_edge }
     Outer { name }
     Side { name, of, side }
     Translate { by, solid }

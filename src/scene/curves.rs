@@ -4,11 +4,9 @@ use super::ast;
 use super::model::{Arc2, Path2, Segment2};
 use super::motion::sin_cos;
 use super::primitives::MAX_SIDES;
-use super::reader::{Owner, Reader, SMALLEST};
+use super::reader::{MIN_SIZE, Owner, Reader};
 use super::source::{Field, Raw};
 
-/// How far the ends of an arc may differ in their distance from its centre, relative to it: what typed decimals leave.
-const ARC_AGREEMENT: f64 = 1e-6;
 /// Distance, relative to a path's extent, below which its end counts as its start.
 const CLOSED: f64 = 1e-12;
 
@@ -16,11 +14,11 @@ fn line(end: [f64; 2]) -> Segment2 {
     Segment2 { end, arc: None, name: None }
 }
 
-fn arc(end: [f64; 2], center: [f64; 2], is_ccw: bool) -> Segment2 {
+pub(super) fn arc(end: [f64; 2], center: [f64; 2], is_ccw: bool) -> Segment2 {
     Segment2 { end, arc: Some(Arc2 { center, is_ccw }), name: None }
 }
 
-fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+pub(super) fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     libm::hypot(b[0] - a[0], b[1] - a[1])
 }
 
@@ -137,7 +135,7 @@ impl<'a> Reader<'a> {
             let hi = self.need(owner, "max", max).and_then(|raw| self.point2("max", raw));
             (lo?, hi?)
         };
-        if (hi[0] - lo[0]).min(hi[1] - lo[1]) < SMALLEST {
+        if (hi[0] - lo[0]).min(hi[1] - lo[1]) < MIN_SIZE {
             let message =
                 format!("both sides of the {} must be positive; they are {} and {}", owner.kind, hi[0] - lo[0], hi[1] - lo[1]);
             return self.fail(owner.raw, "not-positive", message, "exchange the coordinates, or check the parameters");
@@ -187,101 +185,11 @@ impl<'a> Reader<'a> {
             }
         }
     }
-
-    /// An arc by `to` and `center`, `to` and `via`, `to` and `radius`, or `center` and `angle`.
-    fn arc(&mut self, owner: Owner<'a>, node: &ast::Arc<'a>, from: [f64; 2]) -> Option<Segment2> {
-        let to = self.maybe(node.to, |r, raw| r.point2("to", raw));
-        let center = self.maybe(node.center, |r, raw| r.point2("center", raw));
-        let via = self.maybe(node.via, |r, raw| r.point2("via", raw));
-        let radius = self.maybe(node.radius, |r, raw| r.size("radius", raw));
-        let angle = self.maybe(node.angle, |r, raw| r.degrees("angle", raw));
-        let is_ccw = self.read_or(node.ccw, true);
-        let is_large = self.read_or(node.large, false);
-        let (is_ccw, is_large) = (is_ccw?, is_large?);
-        match (to?, center?, via?, radius?, angle?) {
-            (Some(to), Some(center), None, None, None) => {
-                let (r, s) = (distance(center, from), distance(center, to));
-                if r < SMALLEST || (r - s).abs() > ARC_AGREEMENT * r {
-                    let message = format!("the ends of the arc lie {r} and {s} from its centre");
-                    let hint = "correct `to` or `center`, or give `to` and `radius`, from which the centre follows";
-                    return self.fail(owner.raw, "bad-arc", message, hint);
-                }
-                Some(arc(to, center, is_ccw))
-            }
-            (Some(to), None, Some(via), None, None) => match circumcenter(from, via, to) {
-                Some((center, is_ccw)) => Some(arc(to, center, is_ccw)),
-                None => {
-                    let message = "the three points of the arc lie on one line";
-                    self.fail(owner.raw, "bad-arc", message, "move `via`, or write a Line")
-                }
-            },
-            (Some(to), None, None, Some(radius), None) => {
-                let half = 0.5 * distance(from, to);
-                if half < SMALLEST || half > radius {
-                    let message = format!("an arc of radius {radius} cannot span {}", 2.0 * half);
-                    return self.fail(
-                        owner.raw,
-                        "bad-arc",
-                        message,
-                        "the radius is half of the distance of its ends at least, and not 0",
-                    );
-                }
-                let height = libm::sqrt((radius - half) * (radius + half));
-                // A small counter-clockwise arc has its centre to the left of its chord.
-                let side = if is_ccw != is_large { height } else { -height };
-                let along = [(to[0] - from[0]) / (2.0 * half), (to[1] - from[1]) / (2.0 * half)];
-                let middle = [0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1])];
-                Some(arc(to, [middle[0] - side * along[1], middle[1] + side * along[0]], is_ccw))
-            }
-            (None, Some(center), None, None, Some(angle)) => {
-                let arm = [from[0] - center[0], from[1] - center[1]];
-                if !(0.0 < angle.abs() && angle.abs() <= 360.0) || libm::hypot(arm[0], arm[1]) < SMALLEST {
-                    return self.fail(
-                        owner.raw,
-                        "bad-arc",
-                        "an arc needs a radius, and an angle up to 360 degrees other than 0",
-                        "move `center` off the start of the arc, or correct `angle`",
-                    );
-                }
-                let (s, c) = sin_cos(angle);
-                let turned = [center[0] + arm[0] * c - arm[1] * s, center[1] + arm[0] * s + arm[1] * c];
-                Some(arc(if angle.abs() == 360.0 { from } else { turned }, center, angle > 0.0))
-            }
-            _ => {
-                let ways = "`to` and `center`, `to` and `via`, `to` and `radius`, or `center` and `angle`";
-                self.fail(
-                    owner.raw,
-                    "missing-field",
-                    format!("an Arc needs either of {ways}"),
-                    "give one of these pairs, and no more",
-                )
-            }
-        }
-    }
-}
-
-/// The centre of the circle through three points, and whether they run counter-clockwise.
-fn circumcenter(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> Option<([f64; 2], bool)> {
-    let (u, v) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
-    let turn = crate::geom::predicates::orient2d(a, b, c);
-    let twice = 2.0 * (u[0] * v[1] - u[1] * v[0]);
-    let (uu, vv) = (u[0] * u[0] + u[1] * u[1], v[0] * v[0] + v[1] * v[1]);
-    let center = [a[0] + (v[1] * uu - u[1] * vv) / twice, a[1] + (u[0] * vv - v[0] * uu) / twice];
-    // A flatter arc than this is a line.
-    let is_flat = twice.abs() <= 1e-12 * libm::sqrt(uu * vv);
-    (turn != 0 && !is_flat).then_some((center, turn > 0))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn three_points_make_an_arc() {
-        let (center, is_ccw) = circumcenter([1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]).unwrap();
-        assert_eq!((center, is_ccw), ([0.0, 0.0], true));
-        assert!(circumcenter([0.0, 0.0], [1.0, 1.0], [2.0, 2.0]).is_none());
-    }
 
     #[test]
     fn a_stadium_has_no_sides_of_length_zero() {

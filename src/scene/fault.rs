@@ -50,7 +50,7 @@ pub(super) fn from_ron<'a>(error: SpannedError, source: &Source<'a>, raw: Raw<'a
             .hint("put brackets around it, also around a single element"),
         Error::ExpectedMap => Diagnostic::error("wrong-type", "expected a map in braces {\"name\": value, ..}")
             .at(source.span(raw))
-            .hint("write {\"gap\": \"0.8 mm\", \"width\": 12}"),
+            .hint("write for instance params: {\"gap\": \"0.8 mm\"}, solids: {\"pole\": Block(..)}, interfaces: {\"a|b\": (max_edge: 2)}"),
         other => Diagnostic::error("syntax", format!("{other}")).at(here).hint(syntax_hint(&other)),
     }
 }

@@ -5,7 +5,7 @@ use super::memory::facet_estimate;
 use super::model::{Division, Leaf, Node, Operation, Primitive};
 use super::motion::Motion;
 use super::place::placed;
-use super::reader::LARGEST;
+use super::reader::MAX_LENGTH;
 use super::tree::{LocalLeaf, Tree};
 use crate::diag::{Diagnostic, Span};
 use crate::geom::{Affine, Vec3};
@@ -14,6 +14,12 @@ use std::collections::HashMap;
 
 /// Memory of one facet of a leaf through all stages, in bytes: vertices, edges, uses and labels, a few copies of each.
 const BYTES_PER_FACET: f64 = 600.0;
+
+/// What all Scales around a solid may make of a length together: a single factor's limits, and the rounding of turns.
+const SCALES: std::ops::RangeInclusive<f64> = 0.999_999e-6..=1.000_001e6;
+
+/// Facets from which on a user should know beforehand: about half a minute's work.
+const MANY_FACETS: f64 = 1e6;
 
 /// What holds for the leaves of a part unless they say otherwise.
 #[derive(Clone, Copy)]
@@ -29,6 +35,8 @@ pub(super) struct Planter<'l> {
     known: HashMap<u64, Vec<LeafId>>,
     limits: &'l Limits,
     bytes: f64,
+    /// Facets of the leaf that has the most, and where it stands.
+    pub largest: (f64, Span),
     nodes: usize,
     /// Motions from the outermost to the innermost.
     motions: Vec<Motion>,
@@ -41,7 +49,17 @@ impl<'l> Planter<'l> {
     /// No leaves yet.
     pub fn new(limits: &'l Limits) -> Self {
         let (leaves, known, motions) = (IdVec::new(), HashMap::new(), Vec::new());
-        Self { leaves, known, limits, bytes: 0.0, nodes: 0, motions, names: Vec::new(), named: Vec::new() }
+        Self {
+            leaves,
+            known,
+            limits,
+            bytes: 0.0,
+            largest: (0.0, Span::default()),
+            nodes: 0,
+            motions,
+            names: Vec::new(),
+            named: Vec::new(),
+        }
     }
 
     /// `tree` after `motion`, as a Boolean expression over leaves; `named` then holds its leaves by name.
@@ -89,10 +107,30 @@ impl<'l> Planter<'l> {
         }
     }
 
+    /// A warning if the leaves have very many facets.
+    pub fn forecast(&self) -> Option<Diagnostic> {
+        let (total, (facets, span)) = (self.bytes / BYTES_PER_FACET, self.largest);
+        (total >= MANY_FACETS).then(|| {
+            let message = format!("building takes long: about {total:.2e} facets, {facets:.2e} of them on this solid");
+            Diagnostic::warning("many-facets", message)
+                .at(span)
+                .hint("use fewer segments, or a larger max_angle or max_chord_error, if that is fine enough")
+        })
+    }
+
     fn leaf(&mut self, local: &LocalLeaf, settings: Settings) -> Result<LeafId, Diagnostic> {
+        let linear = self.motions.iter().fold(nalgebra::Matrix3::<f64>::identity(), |m, motion| m * motion.linear);
+        let factors = [0, 1, 2].map(|k| linear.column(k).norm());
+        if !factors.iter().all(|f| SCALES.contains(f)) {
+            let factor = factors.into_iter().max_by(|a, b| libm::log(*a).abs().total_cmp(&libm::log(*b).abs())).unwrap_or(1.0);
+            let message = format!("the Scales around this solid make it {factor:.1e} times as large, all together");
+            return Err(Diagnostic::error("out-of-range", message)
+                .at(local.span)
+                .hint("together they go from 1e-6 to 1e6; write the solid in its true size, with a unit"));
+        }
         let (primitive, transform) = placed(&local.primitive, self.motions.iter().rev());
         let anchor = transform * nalgebra::Point3::from(anchor(&primitive));
-        if !anchor.coords.iter().all(|x| x.abs() <= LARGEST) {
+        if !anchor.coords.iter().all(|x| x.abs() <= MAX_LENGTH) {
             let message = "a copy of this solid lies farther out than 1e9 units";
             return Err(Diagnostic::error("out-of-range", message)
                 .at(local.span)
@@ -122,13 +160,17 @@ impl<'l> Planter<'l> {
         if let Some(&id) = same {
             return Ok(id);
         }
-        let bytes = self.bytes + BYTES_PER_FACET * facet_estimate(&leaf);
+        let facets = facet_estimate(&leaf);
+        let bytes = self.bytes + BYTES_PER_FACET * facets;
         if bytes > self.limits.memory {
             let message = format!("this discretization would need more than {:.1} GB of memory", self.limits.memory / 1e9);
             let hint = "use fewer segments, or a larger max_angle or max_chord_error";
             return Err(Diagnostic::error("too-many-segments", message).at(leaf.span).hint(hint));
         }
         self.bytes = bytes;
+        if facets > self.largest.0 {
+            self.largest = (facets, leaf.span);
+        }
         let id = self.leaves.push(leaf);
         self.known.entry(key).or_default().push(id);
         Ok(id)

@@ -9,11 +9,14 @@
 //! ```
 #![doc = include_str!("LANGUAGE.md")]
 
+mod arcs;
 mod ast;
 mod curves;
 mod expr;
 mod fault;
+mod foreign;
 mod frames;
+mod interfaces;
 mod leaves;
 mod memory;
 pub mod model;
@@ -92,11 +95,14 @@ pub fn load(path: &Path, overrides: &[(String, String)], limits: &Limits) -> Out
 }
 
 fn read_text(path: &Path, limits: &Limits) -> Result<String, Diagnostic> {
-    let fault = |code, what: &str, hint: &str| Diagnostic::error(code, format!("{}: {what}", path.display())).hint(hint);
+    let fault = |code, what: &str, hint: &str| Diagnostic::error(code, what).hint(hint);
     let missing = |error: std::io::Error| {
         fault("missing-file", &error.to_string(), "give the path of a scene file; `gsm new` writes one to start from")
     };
     let file = std::fs::File::open(path).map_err(missing)?;
+    if let Some(fault) = foreign::told(path) {
+        return Err(fault);
+    }
     let mut bytes = Vec::new();
     // One byte more than allowed tells that there are too many, also for what is no regular file.
     file.take(limits.file_size + 1).read_to_end(&mut bytes).map_err(missing)?;
@@ -192,6 +198,9 @@ fn read_scene<'a>(reader: &mut Reader<'a>, node: &ast::Scene<'a>, folder: &Path,
         parts.add(&mut solids, raw, settings);
     }
     solids.finish();
+    parts.is_incomplete |= entries.is_none();
+    let interfaces = interfaces::read(reader, node.interfaces, &parts);
+    reader.warnings.extend(parts.planter.forecast());
     if let (Some([]), Some(raw)) = (entries.as_deref(), list) {
         let hint = "write one at least: parts: [Part(name: \"a\", solid: Block(size: (1, 1, 1)))]";
         reader.fail::<()>(raw, "no-parts", "the scene has no parts", hint);
@@ -208,6 +217,7 @@ fn read_scene<'a>(reader: &mut Reader<'a>, node: &ast::Scene<'a>, folder: &Path,
         leaves: parts.planter.leaves,
         parts: parts.parts,
         boundaries: parts.boundaries,
+        interfaces,
     })
 }
 

@@ -4,6 +4,7 @@ use crate::declare_ids;
 use crate::diag::Span;
 use crate::geom::{Affine, Vec3};
 use crate::ids::{IdVec, LeafId, PartId};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 declare_ids! {
@@ -36,6 +37,40 @@ pub struct Scene {
     pub parts: IdVec<PartId, Part>,
     /// Named boundaries in file order.
     pub boundaries: IdVec<BoundaryId, Boundary>,
+    /// What is asked of interfaces: by the names of the two parts, or of what they are copies of, or [`OUTER`]; sorted.
+    pub interfaces: BTreeMap<[String; 2], Interface>,
+}
+
+/// Name of the outside and of voids, which no part can have.
+pub const OUTER: &str = "outer";
+
+/// What is asked of an interface.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Interface {
+    /// Largest edge length, in the scene's unit.
+    pub max_edge: f64,
+    /// Where it stands in the scene text.
+    pub span: Span,
+}
+
+impl Scene {
+    /// The entries of `interfaces` that name the interface between two parts (`None` is the outside or a void): at most four,
+    /// since a copy goes by its own name and by that of all copies.
+    pub fn interfaces_between(&self, parts: [Option<PartId>; 2]) -> impl Iterator<Item = (&[String; 2], &Interface)> {
+        let names = parts.map(|part| match part.map(|p| &self.parts[p]) {
+            None => [Some(OUTER), None],
+            Some(part) => [Some(part.name.as_str()), part.copy_of.as_deref()],
+        });
+        let pairs =
+            [[0, 0], [0, 1], [1, 0], [1, 1]].map(|[i, j]| Some(sorted([names[0][i]?, names[1][j]?].map(str::to_owned))));
+        pairs.into_iter().flatten().filter_map(|pair| self.interfaces.get_key_value(&pair))
+    }
+}
+
+/// A key of [`Scene::interfaces`].
+pub(super) fn sorted(mut names: [String; 2]) -> [String; 2] {
+    names.sort_unstable();
+    names
 }
 
 /// What to do about a finding that may be meant.
@@ -132,11 +167,13 @@ impl Thresholds {
 pub struct Part {
     /// Unique name.
     pub name: String,
+    /// The name that all its copies share, without their numbers, if it is one of a pattern.
+    pub copy_of: Option<String>,
     /// Material name, if given.
     pub material: Option<String>,
     /// Which points it claims.
     pub solid: Node,
-    /// Largest wanted edge length.
+    /// Largest edge length on its curved surfaces, where they are remeshed.
     pub max_edge: Option<f64>,
     /// Largest wanted volume of a tetrahedron.
     pub max_volume: Option<f64>,
@@ -355,11 +392,7 @@ pub struct Boundary {
 pub enum BoundarySelection {
     /// All that face the outside.
     Outer,
-    /// Those born from one side of some leaves.
-    Side {
-        /// The leaves (several if the named solid is used several times in the part).
-        leaves: Vec<LeafId>,
-        /// Name of the side, as listed at [`Primitive`]; `None` for all sides of these leaves.
-        side: Option<String>,
-    },
+    /// Those born from some leaves (several if the named solid is used several times in the part): of each the name of the
+    /// side, as listed at [`Primitive`], or `None` for all its sides.
+    Sides(Vec<(LeafId, Option<String>)>),
 }

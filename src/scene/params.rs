@@ -95,7 +95,7 @@ impl<'a> Reader<'a> {
     /// The value of a parameter. Errors: none of this name, a cycle, too long a chain; `None` if the fault is reported already.
     pub fn param(&mut self, name: &str) -> Result<Quantity, Option<Diagnostic>> {
         let Some(param) = self.params.entries.get_mut(name) else {
-            return Err((!self.params.is_incomplete).then(|| self.params.unknown(name)));
+            return Err((!self.params.is_incomplete && !self.is_full()).then(|| self.params.unknown(name)));
         };
         match param.state {
             State::Done(quantity) => return Ok(quantity),

@@ -3,7 +3,7 @@
 use super::ast;
 use super::expr::Kind;
 use super::leaves::{Planter, Settings};
-use super::model::{Boundary, BoundaryId, BoundarySelection, Part, Primitive};
+use super::model::{Boundary, BoundaryId, BoundarySelection, Part};
 use super::motion::Motion;
 use super::reader::{Owner, Reader};
 use super::solids::SolidReader;
@@ -11,7 +11,7 @@ use super::source::{Field, Raw};
 use super::tree::Tree;
 use crate::diag::{Diagnostic, Span};
 use crate::ids::{IdVec, LeafId, PartId};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
 /// What the `parts` list becomes.
@@ -21,6 +21,10 @@ pub(super) struct Parts<'l> {
     pub planter: Planter<'l>,
     /// Names given so far, with their places.
     names: BTreeMap<String, Span>,
+    /// Names shared by copies.
+    patterns: BTreeSet<String>,
+    /// Whether some could not be read, so that a name that is not known may be one of them.
+    pub is_incomplete: bool,
 }
 
 /// A part as it is written; its copies differ in name and place only. Of a faulty one there are the names that could be read.
@@ -52,14 +56,33 @@ struct Named<'a> {
 impl<'l> Parts<'l> {
     /// No parts yet.
     pub fn new(planter: Planter<'l>) -> Self {
-        Self { parts: IdVec::new(), boundaries: IdVec::new(), planter, names: BTreeMap::new() }
+        Self {
+            parts: IdVec::new(),
+            boundaries: IdVec::new(),
+            planter,
+            names: BTreeMap::new(),
+            patterns: BTreeSet::new(),
+            is_incomplete: false,
+        }
     }
 
     /// Reads one part and appends it, or its copies.
     pub fn add<'a>(&mut self, solids: &mut SolidReader<'_, 'a>, raw: Raw<'a>, settings: Settings) {
-        if let Some(pattern) = read_part(solids, raw, settings) {
+        let pattern = read_part(solids, raw, settings);
+        self.is_incomplete |= pattern.as_ref().is_none_or(|p| p.name.is_none() || p.body.is_none());
+        if let Some(pattern) = pattern {
             self.append(solids.reader, &pattern);
         }
+    }
+
+    /// Whether this is the name that copies share.
+    pub fn are_copies(&self, name: &str) -> bool {
+        self.patterns.contains(name)
+    }
+
+    /// The names by which interfaces can call parts, none twice.
+    pub fn callable(&self) -> BTreeSet<&str> {
+        self.parts.iter().map(|p| p.name.as_str()).chain(self.patterns.iter().map(String::as_str)).collect()
     }
 
     fn append<'a>(&mut self, reader: &mut Reader<'a>, pattern: &Pattern<'a>) {
@@ -87,7 +110,10 @@ impl<'l> Parts<'l> {
                     Err(fault) => return reader.fault(fault),
                 };
                 let Body { max_edge, max_volume, .. } = *body;
-                let part = self.parts.push(Part { name, material: body.material.clone(), solid, max_edge, max_volume, span });
+                let material = body.material.clone();
+                let copy_of = motion.and(pattern.name.clone());
+                self.patterns.extend(copy_of.clone());
+                let part = self.parts.push(Part { name, copy_of, material, solid, max_edge, max_volume, span });
                 for (name, boundary) in boundaries {
                     self.add_boundary(reader, boundary, part, name);
                 }
@@ -127,6 +153,9 @@ impl<'l> Parts<'l> {
         side: Option<&str>,
         at: Raw<'a>,
     ) -> Option<BoundarySelection> {
+        if reader.is_full() {
+            return None;
+        }
         let of_part = &self.planter.named;
         let mut leaves: Vec<LeafId> = match of {
             Some(of) => of_part.iter().filter(|(name, _)| name == of).map(|(_, leaf)| *leaf).collect(),
@@ -143,30 +172,14 @@ impl<'l> Parts<'l> {
             reader.fault(super::fault::with_names(fault, of, names));
             return None;
         }
-        let Some(written) = side else { return Some(BoundarySelection::Side { leaves, side: None }) };
-        let leaf = |id: LeafId| &self.planter.leaves[id].primitive;
-        // A block may call its upper and lower side as all others do.
-        let is_block = leaves.iter().all(|&id| matches!(leaf(id), Primitive::Block { .. }));
-        let side = match written {
-            "top" if is_block => "z+",
-            "bottom" if is_block => "z-",
-            other => other,
+        let Some(written) = side else {
+            return Some(BoundarySelection::Sides(leaves.into_iter().map(|leaf| (leaf, None)).collect()));
         };
-        let mut known: Vec<String> = Vec::new();
-        leaves.retain(|&id| match leaf(id).sides() {
-            None => true,
-            Some(sides) => {
-                let has = sides.iter().any(|s| s == side);
-                // A block has two names for its lower and upper side.
-                let is_block = matches!(leaf(id), Primitive::Block { .. });
-                let others = ["bottom", "top"].into_iter().filter(|_| is_block).map(str::to_owned);
-                known.extend(sides.into_iter().chain(others).filter(|_| !has));
-                has
-            }
-        });
-        if leaves.is_empty() {
-            known.sort_unstable();
-            known.dedup();
+        let called = |&leaf: &LeafId| self.planter.leaves[leaf].primitive.side_called(written).map(|side| (leaf, Some(side)));
+        let sides: Vec<(LeafId, Option<String>)> = leaves.iter().filter_map(called).collect();
+        if sides.is_empty() {
+            let known: BTreeSet<String> =
+                leaves.iter().flat_map(|&id| self.planter.leaves[id].primitive.names_of_sides()).collect();
             let message = match of {
                 Some(of) => format!("`{of}` has no side `{written}`"),
                 None => format!("no solid of the part has a side `{written}`"),
@@ -175,7 +188,7 @@ impl<'l> Parts<'l> {
             reader.fault(super::fault::with_names(fault, written, known.iter().map(String::as_str)));
             return None;
         }
-        Some(BoundarySelection::Side { leaves, side: Some(side.to_owned()) })
+        Some(BoundarySelection::Sides(sides))
     }
 }
 

@@ -169,19 +169,25 @@ pub(super) fn profile_fault(profile: &Profile) -> Option<(String, Point)> {
     if let Some(short) = lines.iter().find(|l| l.points.len() < 3) {
         return Some(("a loop needs three sides or an arc".into(), short.points[0]));
     }
-    touching(&lines).or_else(|| {
-        let holes = lines.iter().enumerate().skip(1);
-        holes.into_iter().find_map(|(k, hole)| {
-            let p = hole.points[0];
-            let others = lines.iter().enumerate().skip(1).filter(|(m, _)| *m != k);
-            if !is_inside(p, &lines[0].points) {
-                Some(("a hole lies outside of the outer loop".into(), p))
-            } else if others.into_iter().any(|(_, other)| is_inside(p, &other.points)) {
-                Some(("a hole lies in another hole".into(), p))
-            } else {
-                None
-            }
-        })
+    touching(&lines).or_else(|| misplaced_hole(&lines))
+}
+
+/// A hole outside of the first loop or in another hole; the loops do not touch.
+fn misplaced_hole(lines: &[Polyline]) -> Option<(String, Point)> {
+    let (outer, holes) = lines.split_first()?;
+    let space = |p: &Point| Vec3::new(p[0], p[1], 0.0);
+    let around = |hole: &Polyline| Aabb::around(&hole.points.iter().map(space).collect::<Vec<_>>());
+    let tree = Bvh::new(holes.iter().map(around).collect());
+    holes.iter().enumerate().find_map(|(k, hole)| {
+        let p = hole.points[0];
+        if !is_inside(p, &outer.points) {
+            return Some(("a hole lies outside of the outer loop".into(), p));
+        }
+        let mut is_in_another = false;
+        tree.overlapping(&Aabb::around([&space(&p)]), |m| {
+            is_in_another |= m as usize != k && is_inside(p, &holes[m as usize].points);
+        });
+        is_in_another.then(|| ("a hole lies in another hole".into(), p))
     })
 }
 

@@ -59,8 +59,8 @@ impl<'a> Reader<'a> {
         let lo = self.need(owner, "min", node.min).and_then(|raw| self.point("min", raw));
         let hi = self.need(owner, "max", node.max).and_then(|raw| self.point("max", raw));
         let (lo, hi) = (lo?, hi?);
-        if lo.zip_map(&hi, |l, h| h - l).min() < super::reader::SMALLEST {
-            let axis = (0..3).find(|&k| hi[k] - lo[k] < super::reader::SMALLEST).unwrap_or(0);
+        if lo.zip_map(&hi, |l, h| h - l).min() < super::reader::MIN_SIZE {
+            let axis = (0..3).find(|&k| hi[k] - lo[k] < super::reader::MIN_SIZE).unwrap_or(0);
             let (name, lo, hi) = (["x", "y", "z"][axis], lo[axis], hi[axis]);
             let message = format!("`max` of the Block must be larger than `min`; in {name} it goes from {lo} to {hi}");
             return self.fail(owner.raw, "not-positive", message, "exchange the coordinates, or check the parameters");
@@ -117,7 +117,7 @@ impl<'a> Reader<'a> {
         let apex = match (node.apex.0, node.height.0) {
             (Some(_), Some(raw)) => self.fail(raw, "conflict", "Pyramid has both `height` and `apex`", "leave out one of them"),
             (Some(raw), None) => self.point("apex", raw).and_then(|apex| match apex.z {
-                z if z >= super::reader::SMALLEST => Some(apex),
+                z if z >= super::reader::MIN_SIZE => Some(apex),
                 _ => {
                     let hint = "the apex is written from the base, along `axis`; to point down, turn the axis";
                     self.fail(raw, "not-positive", "the apex must lie above the base: its z must be positive", hint)

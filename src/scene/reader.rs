@@ -13,9 +13,9 @@ use serde::Deserialize;
 
 /// Largest coordinate and length, in the scene's unit. With the smallest one, products of three stay far from overflow and
 /// underflow, as exact predicates need.
-pub(super) const LARGEST: f64 = 1e9;
+pub(super) const MAX_LENGTH: f64 = 1e9;
 /// Smallest size, in the scene's unit.
-pub(super) const SMALLEST: f64 = 1e-9;
+pub(super) const MIN_SIZE: f64 = 1e-9;
 /// What to do about numbers that no model needs.
 const LARGER_UNIT: &str = "check the units; `units` should be one in which the model has handy numbers";
 /// What to do about infinities and what is no number.
@@ -59,7 +59,7 @@ impl<'a> Reader<'a> {
 
     /// Reports a fault.
     pub fn fault(&mut self, diagnostic: Diagnostic) {
-        if self.faults.len() < MAX_FAULTS {
+        if !self.is_full() {
             self.faults.push(diagnostic);
         }
     }
@@ -85,6 +85,10 @@ impl<'a> Reader<'a> {
     /// Whether anything was wrong.
     pub fn has_faults(&self) -> bool {
         !self.faults.is_empty()
+    }
+    /// Whether further faults are not kept: then their hints, which may be costly, need not be made.
+    pub fn is_full(&self) -> bool {
+        self.faults.len() >= MAX_FAULTS
     }
     /// Where `raw` stands.
     pub fn span(&self, raw: Raw<'a>) -> Span {
@@ -166,7 +170,7 @@ impl<'a> Reader<'a> {
     /// A coordinate.
     pub fn length(&mut self, label: &str, raw: Raw<'a>) -> Option<f64> {
         let value = self.number(label, raw, Kind::Length(1))?;
-        if value.abs() > LARGEST {
+        if value.abs() > MAX_LENGTH {
             let message = format!("`{label}` is {value:e}; lengths go up to 1e9 units");
             return self.fail(raw, "out-of-range", message, LARGER_UNIT);
         }
@@ -184,7 +188,7 @@ impl<'a> Reader<'a> {
     /// A positive length.
     pub fn size(&mut self, label: &str, raw: Raw<'a>) -> Option<f64> {
         let value = self.positive(label, raw, Kind::Length(1))?;
-        if !(SMALLEST..=LARGEST).contains(&value) {
+        if !(MIN_SIZE..=MAX_LENGTH).contains(&value) {
             let message = format!("`{label}` is {value:e}; sizes go from 1e-9 to 1e9 units");
             return self.fail(raw, "out-of-range", message, LARGER_UNIT);
         }

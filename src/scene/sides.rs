@@ -2,7 +2,23 @@
 
 use super::model::{Path2, Primitive, Profile};
 
+/// Other names of the sides of a block: its lower and upper side may be called as those of all other primitives.
+const OF_BLOCK: [(&str, &str); 2] = [("bottom", "z-"), ("top", "z+")];
+
 impl Primitive {
+    /// The side that is called so in a scene; an import has what is in its file.
+    pub(super) fn side_called(&self, written: &str) -> Option<String> {
+        let is_block = matches!(self, Primitive::Block { .. });
+        let own = OF_BLOCK.iter().find(|(name, _)| is_block && *name == written).map_or(written, |(_, own)| own);
+        self.sides().is_none_or(|sides| sides.iter().any(|s| s == own)).then(|| own.to_owned())
+    }
+
+    /// All names that its sides can be called by in a scene.
+    pub(super) fn names_of_sides(&self) -> Vec<String> {
+        let others = OF_BLOCK.iter().filter(|_| matches!(self, Primitive::Block { .. })).map(|(name, _)| (*name).to_owned());
+        self.sides().into_iter().flatten().chain(others).collect()
+    }
+
     /// The names of its sides in order; `None` for an import, whose sides are in its file.
     pub fn sides(&self) -> Option<Vec<String>> {
         let owned = |names: &[&str]| names.iter().map(|&n| n.to_owned()).collect::<Vec<_>>();

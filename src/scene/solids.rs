@@ -4,7 +4,7 @@ use super::ast::{self, Entries, Solid};
 use super::fault::with_names;
 use super::model::{Operation, Primitive};
 use super::motion::Motion;
-use super::reader::{LARGEST, Owner, Reader};
+use super::reader::{MAX_LENGTH, Owner, Reader};
 use super::source::{Field, Raw};
 use super::tree::Tree;
 use crate::diag::Diagnostic;
@@ -107,15 +107,7 @@ impl<'r, 'a> SolidReader<'r, 'a> {
             Solid::Extrude(node) => primitive!("Extrude", extrude, node),
             Solid::Revolve(node) => primitive!("Revolve", revolve, node),
             Solid::Sweep(node) => primitive!("Sweep", sweep, node),
-            Solid::Import(node) => {
-                let primitive = self.reader.import(own("Import"), &node, self.folder, self.is_free);
-                let tolerance = self.reader.maybe(node.tolerance, Reader::tolerance);
-                // The numbers of an STL file are single precision.
-                let is_stl = matches!(&primitive, Some(Primitive::Import { path, .. })
-                    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("stl")));
-                let tolerance = tolerance?.or(is_stl.then_some(1e-6));
-                self.reader.leaf(own("Import"), node.common(), primitive, tolerance)
-            }
+            Solid::Import(node) => self.imported(own("Import"), &node),
             Solid::Union(list) => self.boolean(raw, Operation::Union, &list),
             Solid::Difference(list) => self.boolean(raw, Operation::Difference, &list),
             Solid::Intersection(list) => self.boolean(raw, Operation::Intersection, &list),
@@ -133,10 +125,7 @@ impl<'r, 'a> SolidReader<'r, 'a> {
                 self.copies(own("Scale"), motion, node.solid)
             }
             Solid::Mirror(node) => {
-                let normal = self.reader.need(own("Mirror"), "normal", node.normal);
-                let normal = normal.and_then(|raw| self.reader.axis("normal", raw));
-                let center = self.reader.point_or_origin("center", node.center);
-                let motion = normal.zip(center).map(|(n, c)| vec![Motion::mirror(n, c)]);
+                let motion = self.mirror(own("Mirror"), &node);
                 self.copies(own("Mirror"), motion, node.solid)
             }
             Solid::Linear(node) => {
@@ -149,6 +138,16 @@ impl<'r, 'a> SolidReader<'r, 'a> {
             }
             Solid::Use(name) => self.named(raw, &name),
         }
+    }
+
+    fn imported(&mut self, owner: Owner<'a>, node: &ast::Import<'a>) -> Option<Rc<Tree>> {
+        let primitive = self.reader.import(owner, node, self.folder, self.is_free);
+        let tolerance = self.reader.maybe(node.tolerance, Reader::tolerance);
+        // The numbers of an STL file are single precision.
+        let is_stl = matches!(&primitive, Some(Primitive::Import { path, .. })
+            if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("stl")));
+        let tolerance = tolerance?.or(is_stl.then_some(1e-6));
+        self.reader.leaf(owner, node.common(), primitive, tolerance)
     }
 
     fn boolean(&mut self, raw: Raw<'a>, operation: Operation, list: &[Raw<'a>]) -> Option<Rc<Tree>> {
@@ -174,6 +173,12 @@ impl<'r, 'a> SolidReader<'r, 'a> {
         Some(vec![Motion::rotation(axis?, angle?, center?)])
     }
 
+    fn mirror(&mut self, owner: Owner<'a>, node: &ast::Mirror<'a>) -> Option<Vec<Motion>> {
+        let normal = self.reader.need(owner, "normal", node.normal).and_then(|raw| self.reader.axis("normal", raw));
+        let center = self.reader.point_or_origin("center", node.center);
+        Some(vec![Motion::mirror(normal?, center?)])
+    }
+
     /// By one factor, or by one for each of x, y, z; none 0, and a negative one mirrors.
     fn scale(&mut self, owner: Owner<'a>, node: &ast::Scale<'a>) -> Option<Vec<Motion>> {
         let center = self.reader.point_or_origin("center", node.center);
@@ -194,6 +199,9 @@ impl<'r, 'a> SolidReader<'r, 'a> {
 
     fn named(&mut self, raw: Raw<'a>, name: &str) -> Option<Rc<Tree>> {
         let Some((value, state)) = self.library.entries.get_mut(name) else {
+            if self.reader.is_full() {
+                return None;
+            }
             let fault = Diagnostic::error("unknown-solid", format!("there is no solid `{name}` in `solids`"));
             let fault = with_names(fault.at(self.reader.span(raw)), name, self.library.entries.keys().map(String::as_str));
             self.reader.fault(fault);
@@ -231,7 +239,7 @@ impl<'a> Reader<'a> {
             let message = "`step` is (0, 0, 0): all copies lie in one place";
             return self.fail(step.unwrap_or(owner.raw), "zero-axis", message, "write the way from one copy to the next");
         }
-        if vector.amax() * f64::from(count) > LARGEST {
+        if vector.amax() * f64::from(count) > MAX_LENGTH {
             let message = "the last copy lies farther out than 1e9 units";
             return self.fail(owner.raw, "out-of-range", message, "check `count` and `step`, and the units");
         }

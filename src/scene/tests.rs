@@ -189,8 +189,8 @@ fn settings_of_the_inside_win() {
 fn boundaries_select_sides_of_leaves() {
     let tour = scene(&bundled("tour.ron"));
     let side = |name: &str| tour.boundaries.iter().find(|b| b.name == name).map(|b| b.selection.clone()).unwrap();
-    assert_eq!(side("ceiling"), BoundarySelection::Side { leaves: vec![LeafId(0)], side: Some("z+".into()) });
-    assert_eq!(side("face6"), BoundarySelection::Side { leaves: vec![LeafId(6)], side: Some("x+".into()) });
+    assert_eq!(side("ceiling"), BoundarySelection::Sides(vec![(LeafId(0), Some("z+".into()))]));
+    assert_eq!(side("face6"), BoundarySelection::Sides(vec![(LeafId(6), Some("x+".into()))]));
     let faults = read(&bundled("tour.ron").replace("side: \"yoke\"", "side: \"joke\"")).unwrap_err();
     assert_eq!(faults[0].code, "unknown-side");
     assert!(faults[0].hints[0].contains("yoke"), "{:?}", faults[0].hints);
@@ -255,6 +255,99 @@ fn sides_of_a_block_have_all_their_names() {
     let faults = read(&format!("Scene(units: \"mm\", parts: [{boundary}])")).unwrap_err();
     assert_eq!(faults[0].code, "unknown-side");
     assert!(faults[0].hints.iter().any(|h| h.contains("bottom, top, x+")), "{:?}", faults[0].hints);
+}
+
+#[test]
+fn a_side_is_found_by_the_name_that_each_solid_has_for_it() {
+    let solid = "Union([Block(size: (1, 1, 1)), Cylinder(radius: 1, height: 2, base: (5, 0, 0)), Sphere(radius: 1, center: (9, 0, 0))])";
+    let boundary = "Side(name: \"t\", side: \"top\"), Side(name: \"z\", side: \"z+\"), Side(name: \"all\")";
+    let scene = scene(&format!("Scene(units: \"mm\", parts: [Part(name: \"a\", solid: {solid}, boundaries: [{boundary}])])"));
+    let sides = |k: u32| match &scene.boundaries[BoundaryId(k)].selection {
+        BoundarySelection::Sides(sides) => sides.iter().map(|(leaf, side)| (leaf.0, side.as_deref())).collect::<Vec<_>>(),
+        BoundarySelection::Outer => panic!(),
+    };
+    assert_eq!(sides(0), [(0, Some("z+")), (1, Some("top"))]);
+    assert_eq!(sides(1), [(0, Some("z+"))]);
+    assert_eq!(sides(2), [(0, None), (1, None), (2, None)]);
+}
+
+#[test]
+fn very_many_wrong_names_are_told_in_time() {
+    // All pairs of names would be 36 million comparisons.
+    let n = 6000;
+    let list = |entry: &dyn Fn(usize) -> String| (0..n).map(entry).collect::<Vec<_>>().join(",");
+    let params = list(&|k| format!("\"param{k}\": 1"));
+    let parts = list(&|k| format!("Part(name: \"p{k}\", solid: Sphere(radius: \"parm{k}\"))"));
+    let start = std::time::Instant::now();
+    let faults = codes(&format!("Scene(units: \"mm\", params: {{{params}}}, parts: [{parts}])"));
+    assert!(faults.len() == 200 && faults.iter().all(|code| *code == "unknown-parameter"));
+    assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
+}
+
+#[test]
+fn holes_lie_in_the_outer_loop_and_in_no_other_hole() {
+    let faults = |holes: &str| {
+        let solid = format!("Extrude(profile: Rectangle(min: (0, 0), max: (10, 10)), holes: [{holes}], height: 1)");
+        read(&of_solids("", &[&solid])).err().unwrap_or_default().into_iter().map(|f| f.message).collect::<Vec<_>>()
+    };
+    let square = "Rectangle(min: (2, 2), max: (6, 6))";
+    assert_eq!(faults(&format!("{square}, Circle(radius: 1, center: (8, 8)), Circle(radius: 1, center: (8, 2))")), [""; 0]);
+    for (other, said) in [
+        ("Circle(radius: 1, center: (4, 4))", "a hole lies in another hole"),
+        ("Rectangle(min: (12, 2), max: (14, 4))", "a hole lies outside of the outer loop"),
+    ] {
+        for holes in [format!("{square}, {other}"), format!("{other}, {square}")] {
+            let found = faults(&holes);
+            assert!(found.len() == 1 && found[0].contains(said), "{holes}: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn scales_are_limited_all_together() {
+    let scaled = |factors: &[&str]| {
+        let open: String = factors.iter().map(|f| format!("Scale(by: {f}, solid: ")).collect();
+        of_solids("", &[&format!("{open}Sphere(radius: 1){}", ")".repeat(factors.len()))])
+    };
+    assert_eq!(codes(&scaled(&["1e6", "1e6"])), ["out-of-range"]);
+    assert_eq!(codes(&scaled(&["1e-6", "(1, 1e-3, 1)"])), ["out-of-range"]);
+    assert_eq!(scene(&scaled(&["1e6", "1e-6", "(1, -1e-6, 1e6)"])).leaves.len(), 1);
+}
+
+#[test]
+fn interfaces_are_named_by_their_parts_in_either_order() {
+    let with = |entries: &str| {
+        format!(
+            "Scene(units: \"mm\", params: {{\"fine\": \"0.1 cm\"}}, interfaces: {{{entries}}}, parts: [
+               Part(name: \"air\", solid: Block(size: (9, 9, 9))),
+               Part(name: \"pole\", copies: Linear(count: 2, step: (3, 0, 0)), solid: Sphere(radius: 1, center: (3, 3, 3)))])"
+        )
+    };
+    let scene = scene(&with(
+        "\"pole2 | air\": (max_edge: \"fine / 2\"), \"air|pole\": (max_edge: \"fine\"), \"outer|air\": (max_edge: 3), \"pole|pole\": (max_edge: 4)",
+    ));
+    let part = |k: u32| Some(PartId(k));
+    let sizes = |parts: [Option<PartId>; 2]| scene.interfaces_between(parts).map(|(_, i)| i.max_edge).collect::<Vec<_>>();
+    assert_eq!(sizes([part(0), part(1)]), [1.0]);
+    assert_eq!(sizes([part(2), part(0)]), [0.5, 1.0]);
+    assert_eq!(sizes([part(0), None]), [3.0]);
+    assert_eq!(sizes([part(1), part(2)]), [4.0]);
+    assert_eq!(sizes([part(1), None]), [0.0; 0]);
+    for (entries, code) in [
+        ("\"air\": (max_edge: 1)", "bad-name"),
+        ("\"air|air\": (max_edge: 1)", "bad-name"),
+        ("\"outer|outer\": (max_edge: 1)", "bad-name"),
+        ("\"air|poles\": (max_edge: 1)", "unknown-part"),
+        ("\"air|pole3\": (max_edge: 1)", "unknown-part"),
+        ("\"air|pole\": (max_edge: 1), \"pole|air\": (max_edge: 1)", "duplicate-name"),
+        ("\"air|pole\": (max_edge: \"1 deg\")", "wrong-unit"),
+        ("\"air|pole\": (max_edge: 0)", "not-positive"),
+        ("\"air|pole\": (max_edg: 0)", "unknown-field"),
+        ("\"air|pole\": ()", "missing-field"),
+        ("\"air|pole\": 3", "wrong-type"),
+    ] {
+        assert_eq!(codes(&with(entries)), [code], "{entries}");
+    }
 }
 
 #[test]

@@ -4,7 +4,7 @@ use crate::arrangement::Arrangement;
 use crate::brep::complex::Marker;
 use crate::ids::{Id, IdVec, MarkerId, PartId};
 use crate::primitive::solid::Solid;
-use crate::scene::model::{BoundaryId, BoundarySelection, Scene};
+use crate::scene::model::{BoundaryId, BoundarySelection, OUTER, Scene};
 use std::collections::BTreeMap;
 
 /// The two parts at an interface in file order, the outside last, and the named boundary on it.
@@ -43,10 +43,16 @@ pub fn assign(
     let mut claims: Vec<Claim> = vec![Claim::default(); scene.boundaries.len()];
     let mut keys: Vec<Option<Key>> = vec![None; kept.len()];
     let mut numbers: BTreeMap<Key, MarkerId> = BTreeMap::new();
+    let mut boundaries_at: BTreeMap<PartId, Vec<BoundaryId>> = BTreeMap::new();
+    for (id, boundary) in scene.boundaries.enumerate() {
+        boundaries_at.entry(boundary.part).or_default().push(id);
+    }
     for (cell, _) in kept.iter().enumerate().filter(|k| *k.1) {
         let mut parts = parts_of(cell).map(|p| p.unwrap_or(OUTSIDE));
         parts.sort_unstable();
-        let mut named = boundaries_of(scene, solids, arrangement, cell, parts);
+        // In the order of the file, as the parts and the boundaries of each are.
+        let of_parts = parts.iter().filter_map(|p| boundaries_at.get(p)).flatten().copied();
+        let mut named = of_parts.filter(|&id| is_of(&scene.boundaries[id].selection, solids, arrangement, cell, parts));
         let first = named.next();
         if let Some(first) = first {
             claims[first.index()].has_facets = true;
@@ -62,6 +68,10 @@ pub fn assign(
     for (k, number) in numbers.values_mut().enumerate() {
         *number = MarkerId::new(k);
     }
+    let mut pairs_of = vec![0u32; scene.boundaries.len()];
+    for boundary in numbers.keys().filter_map(|key| key.1) {
+        pairs_of[boundary.index()] += 1;
+    }
     let markers = numbers
         .keys()
         .map(|&(parts, boundary)| {
@@ -69,13 +79,14 @@ pub fn assign(
             let name = match boundary {
                 None => interface,
                 Some(b) => {
-                    let is_alone = numbers.keys().filter(|k| k.1 == Some(b)).count() == 1;
+                    let is_alone = pairs_of[b.index()] == 1;
                     let name = &scene.boundaries[b].name;
                     if is_alone { name.clone() } else { format!("{name}[{interface}]") }
                 }
             };
-            let part = |p: PartId| (p != OUTSIDE).then_some(p);
-            Marker { name, parts: parts.map(part), interface: numbers[&(parts, None)] }
+            let parts_of = parts.map(|p| (p != OUTSIDE).then_some(p));
+            let max_edge = scene.interfaces_between(parts_of).map(|(_, i)| i.max_edge).reduce(f64::min);
+            Marker { name, parts: parts_of, interface: numbers[&(parts, None)], max_edge }
         })
         .collect();
     let marker_of = keys.iter().map(|k| k.map_or(MarkerId(0), |k| numbers[&k])).collect();
@@ -83,28 +94,20 @@ pub fn assign(
 }
 
 fn interface_name(scene: &Scene, parts: [PartId; 2]) -> String {
-    let name = |p: PartId| if p == OUTSIDE { "outer" } else { &scene.parts[p].name };
+    let name = |p: PartId| if p == OUTSIDE { OUTER } else { &scene.parts[p].name };
     format!("{}|{}", name(parts[0]), name(parts[1]))
 }
 
-/// The named boundaries that a sub-cell belongs to, in the order of the file; the first one names it.
-fn boundaries_of<'s>(
-    scene: &'s Scene,
-    solids: &'s [Solid],
-    arrangement: &'s Arrangement,
-    cell: usize,
-    parts: [PartId; 2],
-) -> impl Iterator<Item = BoundaryId> + 's {
-    scene.boundaries.enumerate().filter_map(move |(id, boundary)| {
-        let is_selected = parts.contains(&boundary.part)
-            && match &boundary.selection {
-                BoundarySelection::Outer => parts[1] == OUTSIDE,
-                BoundarySelection::Side { leaves, side } => arrangement.cells.owners_of(cell).iter().any(|owner| {
-                    let solid = &solids[owner.leaf.index()];
-                    let surface = &solid.surfaces[solid.facets[owner.facet as usize].surface as usize];
-                    leaves.contains(&owner.leaf) && side.as_ref().is_none_or(|s| *s == surface.side)
-                }),
-            };
-        is_selected.then_some(id)
-    })
+/// Whether a sub-cell of a part's boundary between these parts belongs to a named boundary of it.
+fn is_of(selection: &BoundarySelection, solids: &[Solid], arrangement: &Arrangement, cell: usize, parts: [PartId; 2]) -> bool {
+    match selection {
+        BoundarySelection::Outer => parts[1] == OUTSIDE,
+        BoundarySelection::Sides(sides) => arrangement.cells.owners_of(cell).iter().any(|owner| {
+            let solid = &solids[owner.leaf.index()];
+            let surface = &solid.surfaces[solid.facets[owner.facet as usize].surface as usize];
+            let from = sides.partition_point(|(leaf, _)| *leaf < owner.leaf);
+            let own = sides[from..].iter().take_while(|(leaf, _)| *leaf == owner.leaf);
+            own.into_iter().any(|(_, side)| side.as_ref().is_none_or(|s| *s == surface.side))
+        }),
+    }
 }

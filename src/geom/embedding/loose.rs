@@ -1,14 +1,17 @@
 //! Segments and vertices that belong to no triangle: do they meet triangles, or each other, where they must not?
 
+use super::bundles::{Bundles, Thing};
 use super::contact::{Contact, Segment, keep_worse};
 use super::{Kind, projection_of};
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
 use crate::geom::bvh::Bvh;
 use crate::geom::predicates::{Projection, Sign, orient2d, orient3d};
+use std::cmp::Ordering;
+use std::ops::ControlFlow;
 
 /// What a loose segment meets.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum Partner {
     /// A triangle.
     Triangle(u32),
@@ -31,34 +34,55 @@ pub struct LooseViolation {
 
 /// All contacts of segments with triangles, and of segments with each other, other than in shared vertices and whole shared
 /// edges; at most `limit`. A segment with twice the same vertex is a lone vertex. The triangles are those of
-/// [`super::violations`]; those without area are passed over. Cost: O(n log n + pairs whose
-/// boxes overlap), which are n² where long segments lie beside each other.
+/// [`super::violations`]; those without area are passed over. Cost: O(n log² n + pairs that no plane is found between + pairs of
+/// a segment and a triangle whose boxes overlap).
 pub fn loose_violations(points: &[Vec3], triangles: &[[u32; 3]], segments: &[[u32; 2]], limit: usize) -> Vec<LooseViolation> {
     if segments.is_empty() {
         return Vec::new();
     }
     let around = |vertices: &[u32]| Aabb::around(vertices.iter().map(|&v| &points[v as usize]));
     let faces = Bvh::new(triangles.iter().map(|t| around(t)).collect());
-    let others = Bvh::new(segments.iter().map(|s| around(s)).collect());
     let mut found = Vec::new();
     for (k, &ends) in segments.iter().enumerate() {
-        let (segment, mut contacts) = (k as u32, Vec::new());
         faces.overlapping(&around(&ends), |t| {
             let contact = with_triangle(points, ends, triangles[t as usize]);
-            contacts.extend(contact.map(|c| (Partner::Triangle(t), c)));
+            let violation = |(kind, point)| LooseViolation { segment: k as u32, with: Partner::Triangle(t), kind, point };
+            found.extend(contact.map(violation));
         });
-        others.overlapping(&around(&ends), |s| {
-            let contact = if s > segment { with_segment(points, ends, segments[s as usize]) } else { None };
-            contacts.extend(contact.map(|c| (Partner::Segment(s), c)));
-        });
-        let violation = |(with, (kind, point))| LooseViolation { segment, with, kind, point };
-        found.extend(contacts.into_iter().map(violation));
         if found.len() >= limit {
-            found.truncate(limit);
             break;
         }
     }
+    let mut met = Vec::new();
+    Bundles::new(&things(points, segments)).pairs(|s, t| {
+        let [s, t] = [s.min(t), s.max(t)];
+        let contact = with_segment(points, segments[s as usize], segments[t as usize]);
+        met.extend(contact.map(|(kind, point)| LooseViolation { segment: s, with: Partner::Segment(t), kind, point }));
+        if met.len() < limit { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    });
+    found.extend(met);
+    found.sort_by_key(|v| (v.segment, v.with));
+    found.truncate(limit);
     found
+}
+
+/// The segments, each turned so that it begins where most others do, else along the axis that it runs along.
+fn things(points: &[Vec3], segments: &[[u32; 2]]) -> Vec<Thing> {
+    let mut degree = vec![0u32; points.len()];
+    for &v in segments.iter().flatten() {
+        degree[v as usize] += 1;
+    }
+    let turned = |&[a, b]: &[u32; 2]| {
+        let [p, q] = [a, b].map(|v| points[v as usize]);
+        let axis = (q - p).iamax();
+        let is_along = match degree[a as usize].cmp(&degree[b as usize]) {
+            Ordering::Equal => p[axis] <= q[axis],
+            order => order == Ordering::Greater,
+        };
+        let [a, b] = if is_along { [a, b] } else { [b, a] };
+        Thing { ends: [a, b].map(|v| Aabb::around([&points[v as usize]])), hub: Some(a) }
+    };
+    segments.iter().map(turned).collect()
 }
 
 /// How a segment meets a triangle outside of what they share.
@@ -202,5 +226,23 @@ mod tests {
         assert_eq!(kinds([0, 1], [1, 4]), []);
         assert_eq!(kinds([0, 1], [1, 0]), []);
         assert_eq!(kinds([0, 1], [3, 4]), []);
+    }
+
+    #[test]
+    fn of_many_segments_the_same_pairs_are_found_as_of_two() {
+        // Many that share ends, lie on one line, cross, or are lone vertices.
+        let points: Vec<Vec3> = (0..27).map(|k| Vec3::new(f64::from(k % 3), f64::from(k / 3 % 3), f64::from(k / 9))).collect();
+        let segments: Vec<[u32; 2]> = (0..300u32).map(|k| [(k * k + 7 * k) % 27, (11 * k + k / 27) % 27]).collect();
+        let mut pairs = Vec::new();
+        for s in 0..segments.len() {
+            for t in s + 1..segments.len() {
+                let found = with_segment(&points, segments[s], segments[t]);
+                let violation =
+                    |(kind, point)| LooseViolation { segment: s as u32, with: Partner::Segment(t as u32), kind, point };
+                pairs.extend(found.map(violation));
+            }
+        }
+        assert!(pairs.len() > 1000);
+        assert_eq!(loose_violations(&points, &[], &segments, usize::MAX), pairs);
     }
 }

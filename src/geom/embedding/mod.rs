@@ -8,7 +8,9 @@
 //! Example: two triangles over one edge are fine; with a vertex of a third in the middle of that edge, the third and each of
 //! the two are a `VertexOnEdge`.
 
+mod bundles;
 mod contact;
+mod fans;
 mod loose;
 #[cfg(test)]
 mod tests;
@@ -65,7 +67,8 @@ pub struct Violation {
 ///
 /// `triangles` holds indices into `points`, either orientation; coordinates are finite. Vertices are shared by number, not by
 /// position. A triangle without area is reported once and not paired. If there are more than `limit` violations, which of them
-/// are given depends on the arguments only, not on the number of threads. Cost: O(n log n + candidate pairs).
+/// are given depends on the arguments only, not on the number of threads. Cost: O(n log n + pairs whose boxes overlap), and of
+/// triangles around vertices that very many share O(n log² n + pairs that no plane is found between).
 pub fn violations(points: &[Vec3], triangles: &[[u32; 3]], limit: usize) -> Vec<Violation> {
     let projections: Vec<Option<Projection>> =
         triangles.par_iter().with_min_len(1024).map(|t| projection_of(t.map(|v| points[v as usize]))).collect();
@@ -74,32 +77,49 @@ pub fn violations(points: &[Vec3], triangles: &[[u32; 3]], limit: usize) -> Vec<
         .map(|t| Violation { triangles: [t, t], kind: Kind::Degenerate, point: points[triangles[t as usize][0] as usize] })
         .take(limit)
         .collect();
-    let boxes = triangles.iter().map(|t| Aabb::around(t.iter().map(|&v| &points[v as usize]))).collect();
-    let mut tree = Bvh::new(boxes);
-    let number = tree.renumber();
+    let (plain, fans) = fans::split(points, triangles, &projections);
+    let around = |t: u32| Aabb::around(triangles[t as usize].iter().map(|&v| &points[v as usize]));
+    let mut tree = Bvh::new(plain.iter().map(|&t| around(t)).collect());
+    let number: Vec<u32> = tree.renumber().into_iter().map(|k| plain[k as usize]).collect();
     // Triangles in the order of the tree: pairs then lie side by side in memory.
-    let faces: Vec<([u32; 3], Option<Projection>)> =
-        number.iter().map(|&t| (triangles[t as usize], projections[t as usize])).collect();
+    let face = |t: u32| (t, triangles[t as usize], projections[t as usize]);
+    let faces: Vec<Face> = number.iter().map(|&t| face(t)).collect();
     let search = |task| {
         let mut local = Vec::new();
         tree.overlapping_pairs(task, |s, t| {
-            let [first, second] = if number[s as usize] < number[t as usize] { [s, t] } else { [t, s] };
-            let [(s, Some(p)), (t, Some(q))] = [first, second].map(|k| faces[k as usize]) else {
-                return ControlFlow::Continue(());
-            };
-            let pair = contact::Pair { points, triangles: [s, t], projections: [p, q] };
-            if let Some((kind, point)) = pair.forbidden_contact() {
-                local.push(Violation { triangles: [first, second].map(|k| number[k as usize]), kind, point });
-            }
+            local.extend(violation(points, faces[s as usize], faces[t as usize]));
             if local.len() < limit { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
         });
         local
     };
     let pieces: Vec<Vec<Violation>> = tree.pair_tasks(TASKS).into_par_iter().map(search).collect();
     found.extend(pieces.into_iter().flatten());
+    let before = found.len();
+    for &t in &fans.triangles {
+        if found.len() - before >= limit {
+            break;
+        }
+        tree.overlapping(&around(t), |s| found.extend(violation(points, faces[s as usize], face(t))));
+    }
+    let before = found.len();
+    fans.pairs(|s, t| {
+        found.extend(violation(points, face(s), face(t)));
+        if found.len() - before < limit { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    });
     found.sort_unstable_by_key(|v| v.triangles);
     found.truncate(limit);
     found
+}
+
+/// A triangle with its number, and its projection if it has area.
+type Face = (u32, [u32; 3], Option<Projection>);
+
+/// What is wrong between two triangles with area.
+fn violation(points: &[Vec3], one: Face, other: Face) -> Option<Violation> {
+    let [first, second] = if one.0 < other.0 { [one, other] } else { [other, one] };
+    let pair = contact::Pair { points, triangles: [first.1, second.1], projections: [first.2?, second.2?] };
+    let (kind, point) = pair.forbidden_contact()?;
+    Some(Violation { triangles: [first.0, second.0], kind, point })
 }
 
 /// The coordinate plane in which the triangle is counter-clockwise with, as far as floats tell, the largest area; `None` if it

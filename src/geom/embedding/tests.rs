@@ -138,3 +138,38 @@ fn exact_distance_is_zero(p: &[[i64; 3]]) -> bool {
     };
     !axes.iter().any(is_separated)
 }
+
+#[test]
+fn a_fan_of_many_triangles_is_searched_whole() {
+    // A fluted disc of 400 triangles about vertex 0, with vertices of other triangles at odd places.
+    let n = 400u32;
+    let rim = |k: u32, r: f64| {
+        let a = f64::from(k) * std::f64::consts::TAU / f64::from(n);
+        v(r * a.cos(), r * a.sin(), 0.3 * r * (3.0 * a).cos())
+    };
+    let mut points: Vec<Vec3> = std::iter::once(v(0., 0., 0.)).chain((0..n).map(|k| rim(k, 1.0))).collect();
+    let mut triangles: Vec<[u32; 3]> = (0..n).map(|k| [0, 1 + k, 1 + (k + 1) % n]).collect();
+    assert_eq!(kinds(&points, &triangles), []);
+    // One through the fan from the side, one more of its own that cuts two others, and one that is there twice.
+    let add = |points: &mut Vec<Vec3>, p: Vec3| {
+        points.push(p);
+        points.len() as u32 - 1
+    };
+    let stray = [v(0.5, 0.01, -1.0), v(0.5, 0.01, 1.0), v(0.5, 0.9, 1.0)].map(|p| add(&mut points, p));
+    let [low, high] = [rim(100, 0.8) - v(0., 0., 0.4), rim(100, 0.8) + v(0.01, 0.0, 0.4)].map(|p| add(&mut points, p));
+    for (extra, least) in [(stray, 3), ([0, low, high], 1), ([0, 51, 52], 1)] {
+        let all: Vec<[u32; 3]> = triangles.iter().copied().chain([extra]).collect();
+        let found = violations(&points, &all, 10_000);
+        assert!(found.len() >= least && found.iter().all(|f| f.triangles[1] == n), "{extra:?}: {found:?}");
+        let alone: Vec<Violation> = (0..n)
+            .flat_map(|k| {
+                violations(&points, &[triangles[k as usize], extra], 9)
+                    .into_iter()
+                    .map(move |f| Violation { triangles: [k, n], ..f })
+            })
+            .collect();
+        assert_eq!(found, alone);
+    }
+    triangles.push([0, 1, 1]);
+    assert_eq!(kinds(&points, &triangles), [Kind::Degenerate]);
+}

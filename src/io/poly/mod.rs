@@ -8,5 +8,5 @@ mod read;
 mod tests;
 mod write;
 
-pub use read::{parse, read};
+pub use read::{is_plc, parse, read};
 pub use write::to_text;

@@ -10,6 +10,9 @@ const MAX_BYTES: u64 = 1 << 30;
 /// Largest magnitude of a coordinate: products of three still have room in `f64`.
 const MAX_COORDINATE: f64 = 1e100;
 
+/// Largest region number: up to here every whole number is an `f64`.
+const MAX_REGION: f64 = (1u64 << 53) as f64;
+
 /// Where to look up what the lines of a file must hold.
 const FORMAT: &str = "the format is that of TetGen's manual, section 5.2; counts at the head of a list must fit what follows";
 
@@ -18,11 +21,23 @@ const FORMAT: &str = "the format is that of TetGen's manual, section 5.2; counts
 /// # Errors
 /// If it cannot be read or is no such file; with the line.
 pub fn read(path: &Path) -> Result<Plc, Diagnostic> {
-    let is_smesh = path.extension().is_some_and(|e| e == "smesh");
+    let is_smesh = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("smesh"));
     let text = load(path)?;
-    let nodes = Lines::new(&text).next().and_then(|l| l.words.first().copied()) == Some("0");
-    let nodes = if nodes { Some(load(&path.with_extension("node"))?) } else { None };
-    parse(&text, nodes.as_deref(), is_smesh)
+    let has_none = Lines::new(&text).next().and_then(|l| l.words.first().copied()) == Some("0");
+    if !has_none {
+        return parse(&text, None, is_smesh);
+    }
+    let beside = path.with_extension("node");
+    let nodes = load(&beside).map_err(|mut fault| {
+        fault.message = format!("{} leaves its vertices to a .node file: {}", path.display(), fault.message);
+        fault
+    })?;
+    parse(&text, Some((&beside.display().to_string(), &nodes)), is_smesh)
+}
+
+/// Whether a file name is that of a .poly or .smesh.
+pub fn is_plc(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("poly") || e.eq_ignore_ascii_case("smesh"))
 }
 
 fn load(path: &Path) -> Result<String, Diagnostic> {
@@ -37,23 +52,28 @@ fn load(path: &Path) -> Result<String, Diagnostic> {
     if size.len() > MAX_BYTES {
         return Err(refused(format!("it is larger than {MAX_BYTES} bytes")));
     }
-    std::fs::read_to_string(path).map_err(|e| refused(e.to_string()))
+    let text = std::fs::read_to_string(path).map_err(|e| refused(e.to_string()))?;
+    // Some editors begin a file with a byte order mark.
+    Ok(match text.strip_prefix('\u{feff}') {
+        Some(rest) => rest.to_owned(),
+        None => text,
+    })
 }
 
-/// Parses the text of a .poly or .smesh file, with the text of the .node file if the vertices stand there.
+/// Parses the text of a .poly or .smesh file, with the name and text of the .node file if the vertices stand there.
 ///
 /// # Errors
 /// At the first line that is not what TetGen would expect.
-pub fn parse(text: &str, nodes: Option<&str>, is_smesh: bool) -> Result<Plc, Diagnostic> {
+pub fn parse(text: &str, nodes: Option<(&str, &str)>, is_smesh: bool) -> Result<Plc, Diagnostic> {
     let mut lines = Lines::new(text);
     let mut plc = Plc::default();
     let first = match nodes {
-        Some(nodes) => {
+        Some((file, nodes)) => {
             lines.expect("the number of vertices")?;
             // Places are those of the file that is read; this is another one.
             let elsewhere = |d: Diagnostic| {
-                let line = d.span.map_or(0, |s| s.line);
-                Diagnostic { message: format!("line {line} of the .node file: {}", d.message), span: None, ..d }
+                let Span { line, column } = d.span.unwrap_or_default();
+                Diagnostic { message: format!("{file}:{line}:{column}: {}", d.message), span: None, ..d }
             };
             vertices(&mut Lines::new(nodes), &mut plc).map_err(elsewhere)?
         }
@@ -168,6 +188,10 @@ fn polygon<'a>(lines: &mut Lines<'a>, mut line: Line<'a>, numbers: Numbers) -> R
 
 fn seed(line: &Line) -> Result<Seed, Diagnostic> {
     let region = line.real(4, "the region number")?;
+    // TetGen takes any real number; two that differ behind the point must not become one region.
+    if region != region.trunc() || region.abs() > MAX_REGION {
+        return Err(line.fault(4, format!("the region number should be a whole number, not {region}")));
+    }
     let max_volume = if line.words.len() > 5 { line.real(5, "the largest volume")? } else { -1.0 };
     Ok(Seed { point: line.point(1)?, region: region as i64, max_volume: Some(max_volume).filter(|&v| v > 0.0) })
 }
@@ -200,7 +224,9 @@ impl Line<'_> {
     fn real(&self, k: usize, what: &str) -> Result<f64, Diagnostic> {
         let word = self.word(k, what)?;
         let value: Option<f64> = word.parse().ok().filter(|v: &f64| v.abs() <= MAX_COORDINATE);
-        value.ok_or_else(|| self.fault(k, format!("{what} should be a finite number, not `{}`", short(word))))
+        value.ok_or_else(|| {
+            self.fault(k, format!("{what} should be a finite number up to {MAX_COORDINATE:e}, not `{}`", short(word)))
+        })
     }
     fn point(&self, k: usize) -> Result<Vec3, Diagnostic> {
         Ok(Vec3::new(self.real(k, "x")?, self.real(k + 1, "y")?, self.real(k + 2, "z")?))

@@ -26,8 +26,10 @@ fn numbers_from_zero_comments_and_split_polygons() {
     let text = "# c\n3 3 0 0\n0 0 0 0 # first\n1 1 0 0\n2 0 1 0\n\n1 0\n1\n3 0\n1 2\n0\n";
     let plc = parse(text, None, false).unwrap();
     assert_eq!(plc.facets[0].polygons, [vec![0, 1, 2]]);
-    let smesh = parse("0 3\n1 1\n3 1 2 3 9\n", Some("3 3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n"), true).unwrap();
+    let smesh = parse("0 3\n1 1\n3 1 2 3 9\n", Some(("a.node", "3 3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n")), true).unwrap();
     assert_eq!((smesh.facets[0].marker, smesh.vertices.len()), (9, 3));
+    let fault = parse("0 3\n1 1\n3 1 2 3 9\n", Some(("a.node", "3 3\n1 0 0 0\n2 1 x 0\n")), true).unwrap_err();
+    assert!(fault.message.starts_with("a.node:3:5: ") && fault.span.is_none(), "{fault:?}");
 }
 
 #[test]
@@ -48,6 +50,9 @@ fn bad_files_are_refused_with_their_line() {
         ("1 3\n1 0 0 0\n1 1\n1\n3 1 1 2\n", 5, 7, "no vertex 2"),
         ("1 3\n1 0 0 0\n1 1\n1\n-3 1 1 2\n", 5, 1, "cannot be -3"),
         ("x", 1, 1, "integer"),
+        ("1 3\n1 0 0 1e101\n", 2, 7, "up to 1e100"),
+        ("1 3\n1 0 0 0\n0\n0\n1\n1 0 0 0 1.5\n", 6, 9, "whole number, not 1.5"),
+        ("1 3\n1 0 0 0\n0\n0\n1\n1 0 0 0 1e30\n", 6, 9, "whole number"),
     ] {
         let (l, c, message) = line_and_column(text);
         assert!((l, c) == (line, column) && message.contains(part), "{text:?}: {l}:{c}: {message}");

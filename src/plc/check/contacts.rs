@@ -83,9 +83,8 @@ pub(super) fn unlisted_edges(subject: &Subject) -> Vec<Diagnostic> {
     for (triangle, &facet) in subject.triangles.iter().zip(&subject.facet_of) {
         for edge in segments_of(triangle) {
             let from = listed.partition_point(|l| l.0 < edge);
-            let mut owners = listed[from..].iter().take_while(|l| l.0 == edge).map(|l| l.1);
-            let Some(other) = owners.next() else { continue };
-            let is_own = other == facet || owners.any(|o| o == facet);
+            let Some(&(_, other)) = listed.get(from).filter(|l| l.0 == edge) else { continue };
+            let is_own = listed.binary_search(&(edge, facet)).is_ok();
             if !is_own && seen.insert((edge, facet)) {
                 let [a, b] = edge.map(|v| subject.point(v));
                 let [name, other] = [facet, other].map(|f| subject.facet_name(f));
