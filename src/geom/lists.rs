@@ -38,6 +38,10 @@ impl<T: Copy + Default> Lists<T> {
     pub fn is_empty(&self) -> bool {
         self.items.is_empty()
     }
+    /// Number of lists.
+    pub fn count(&self) -> usize {
+        self.first.len().saturating_sub(1)
+    }
     /// Where one list begins and ends among all items.
     pub fn range(&self, list: u32) -> Range<usize> {
         self.first[list as usize] as usize..self.first[list as usize + 1] as usize

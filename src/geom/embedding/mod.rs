@@ -10,8 +10,10 @@
 
 mod contact;
 mod loose;
+mod terrain;
 #[cfg(test)]
 mod tests;
+mod twins;
 
 pub(crate) use loose::is_inside;
 pub use loose::{LooseViolation, Partner, loose_violations};
@@ -22,10 +24,18 @@ use super::bvh::Bvh;
 use super::predicates::{Projection, orient2d};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
+use terrain::Terrains;
+use twins::NONE;
 
 /// Pieces that the search is cut into: enough to keep many threads busy, few enough to cost nothing on one. It is fixed,
 /// so that the result does not depend on the number of threads.
 const TASKS: usize = 512;
+
+/// Triangles from which on [`terrain`] gains time.
+const MANY: usize = 500;
+
+/// Corners, projection and terrain of a triangle.
+type Face = ([u32; 3], Option<Projection>, u32);
 
 /// What two triangles have in common that they must not, the mildest first. Where several apply, the worst is reported.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, serde::Serialize)]
@@ -74,19 +84,27 @@ pub fn violations(points: &[Vec3], triangles: &[[u32; 3]], limit: usize) -> Vec<
         .map(|t| Violation { triangles: [t, t], kind: Kind::Degenerate, point: points[triangles[t as usize][0] as usize] })
         .take(limit)
         .collect();
-    let boxes = triangles.iter().map(|t| Aabb::around(t.iter().map(|&v| &points[v as usize]))).collect();
-    let mut tree = Bvh::new(boxes);
-    let number = tree.renumber();
+    let (of, live) = if triangles.len() < MANY {
+        (vec![NONE; triangles.len()], (0..triangles.len() as u32).collect())
+    } else {
+        let Terrains { of, live } = Terrains::new(points, triangles, &projections);
+        (of, live)
+    };
+    let corners = |t: u32| triangles[t as usize];
+    let mut tree = Bvh::new(live.iter().map(|&t| Aabb::around(corners(t).iter().map(|&v| &points[v as usize]))).collect());
+    let number: Vec<u32> = tree.renumber().into_iter().map(|k| live[k as usize]).collect();
     // Triangles in the order of the tree: pairs then lie side by side in memory.
-    let faces: Vec<([u32; 3], Option<Projection>)> =
-        number.iter().map(|&t| (triangles[t as usize], projections[t as usize])).collect();
+    let faces: Vec<Face> = number.iter().map(|&t| (corners(t), projections[t as usize], of[t as usize])).collect();
     let search = |task| {
         let mut local = Vec::new();
         tree.overlapping_pairs(task, |s, t| {
             let [first, second] = if number[s as usize] < number[t as usize] { [s, t] } else { [t, s] };
-            let [(s, Some(p)), (t, Some(q))] = [first, second].map(|k| faces[k as usize]) else {
+            let [(s, Some(p), terrain), (t, Some(q), other)] = [first, second].map(|k| faces[k as usize]) else {
                 return ControlFlow::Continue(());
             };
+            if terrain == other && terrain != NONE {
+                return ControlFlow::Continue(());
+            }
             let pair = contact::Pair { points, triangles: [s, t], projections: [p, q] };
             if let Some((kind, point)) = pair.forbidden_contact() {
                 local.push(Violation { triangles: [first, second].map(|k| number[k as usize]), kind, point });
