@@ -97,8 +97,8 @@ fn triangulated(surface: PolygonMesh) -> Result<Mesh, Vec<Diagnostic>> {
     let mut faults = Vec::new();
     for (k, polygon) in surface.polygons.iter().enumerate() {
         let marker = surface.group_of.get(k).map_or(1, |g| g + 1);
-        let facet = PlcFacet { polygons: vec![polygon.clone()], ..PlcFacet::default() };
-        match (polygon[..].try_into(), triangulate_facet(&facet, &points)) {
+        let facet = PlcFacet { polygons: vec![polygon.to_vec()], ..PlcFacet::default() };
+        match (polygon.try_into(), triangulate_facet(&facet, &points)) {
             (Ok(corners), _) => mesh.triangles.push(triangle(corners, marker)),
             (_, Ok(list)) => mesh.triangles.extend(list.into_iter().map(|t| triangle(t, marker))),
             (_, Err(_)) => faults.push(

@@ -23,11 +23,11 @@ impl Aabb {
     }
     /// The smallest box around this one and a point.
     pub fn with(self, p: &Vec3) -> Self {
-        Self { lo: self.lo.inf(p), hi: self.hi.sup(p) }
+        Self { lo: smaller(&self.lo, p), hi: larger(&self.hi, p) }
     }
     /// The smallest box around both.
     pub fn union(self, other: &Self) -> Self {
-        Self { lo: self.lo.inf(&other.lo), hi: self.hi.sup(&other.hi) }
+        Self { lo: smaller(&self.lo, &other.lo), hi: larger(&self.hi, &other.hi) }
     }
     /// Whether the closed boxes share a point.
     pub fn overlaps(&self, other: &Self) -> bool {
@@ -61,6 +61,16 @@ impl Aabb {
     pub fn is_empty(&self) -> bool {
         (0..3).any(|k| self.lo[k] > self.hi[k])
     }
+}
+
+/// The smaller coordinates of two points, without what `f64::min` does for NaN, which takes twice the time.
+fn smaller(a: &Vec3, b: &Vec3) -> Vec3 {
+    a.zip_map(b, |a, b| if b < a { b } else { a })
+}
+
+/// The larger coordinates of two points.
+fn larger(a: &Vec3, b: &Vec3) -> Vec3 {
+    a.zip_map(b, |a, b| if b > a { b } else { a })
 }
 
 /// A segment, prepared for tests against many boxes.

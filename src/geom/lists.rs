@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 /// A numbered list of lists in one allocation.
+#[derive(Clone, PartialEq, Debug)]
 pub struct Lists<T = u32> {
     first: Vec<u32>,
     items: Vec<T>,
@@ -10,7 +11,7 @@ pub struct Lists<T = u32> {
 
 impl<T> Default for Lists<T> {
     fn default() -> Self {
-        Self { first: Vec::new(), items: Vec::new() }
+        Self { first: vec![0], items: Vec::new() }
     }
 }
 
@@ -34,9 +35,26 @@ impl<T: Copy + Default> Lists<T> {
         first.pop();
         Self { first, items }
     }
+    /// Adds a list behind the others.
+    pub fn push(&mut self, list: impl IntoIterator<Item = T>) {
+        self.items.extend(list);
+        self.first.push(self.items.len() as u32);
+    }
+    /// All lists in order.
+    pub fn iter(&self) -> impl Iterator<Item = &[T]> + Clone {
+        self.first.windows(2).map(|ends| &self.items[ends[0] as usize..ends[1] as usize])
+    }
+    /// The items of all lists, one list after the other.
+    pub fn items(&self) -> &[T] {
+        &self.items
+    }
     /// Whether all lists are empty.
     pub fn is_empty(&self) -> bool {
         self.items.is_empty()
+    }
+    /// Number of lists.
+    pub fn count(&self) -> usize {
+        self.first.len() - 1
     }
     /// Where one list begins and ends among all items.
     pub fn range(&self, list: u32) -> Range<usize> {
@@ -61,6 +79,10 @@ mod tests {
     fn every_list_keeps_its_order() {
         let lists = Lists::new(4, &[(2, 'a'), (0, 'b'), (2, 'c'), (3, 'd')]);
         assert_eq!([0, 1, 2, 3].map(|k| lists.of(k).iter().collect::<String>()), ["b", "", "ac", "d"]);
+        assert_eq!(lists.iter().map(<[char]>::len).collect::<Vec<_>>(), [1, 0, 2, 1]);
+        let mut more = lists.clone();
+        more.push("ef".chars());
+        assert_eq!((more.count(), more.of(4), more.items().len()), (5, &['e', 'f'][..], 6));
         assert!(!lists.is_empty() && Lists::<u32>::new(2, &[]).of(1).is_empty());
     }
 }

@@ -24,6 +24,7 @@ pub mod write_off;
 pub mod write_stl;
 
 use crate::diag::Diagnostic;
+use crate::geom::lists::Lists;
 use std::path::Path;
 
 /// Largest surface file: what is longer has more facets than a leaf may have.
@@ -35,7 +36,7 @@ pub struct PolygonMesh {
     /// Points, finite, in the file's unit.
     pub points: Vec<[f64; 3]>,
     /// Point numbers of each polygon, all in range, at least three.
-    pub polygons: Vec<Vec<u32>>,
+    pub polygons: Lists,
     /// For each polygon, its group.
     pub group_of: Vec<u32>,
     /// Names of the groups; a file without groups has one, `surface`.

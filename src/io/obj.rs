@@ -31,10 +31,12 @@ pub fn read(text: &str) -> Result<PolygonMesh, FormatError> {
         let count = if sizes.is_empty() { model.mesh.indices.len() / 3 } else { sizes.len() };
         for k in 0..count {
             let size = sizes.get(k).map_or(3, |s| *s as usize);
-            let polygon: Vec<u32> = indices.by_ref().take(size).collect();
-            if polygon.len() >= 3 {
+            let polygon = indices.by_ref().take(size);
+            if size >= 3 {
                 mesh.polygons.push(polygon);
                 mesh.group_of.push(group);
+            } else {
+                polygon.for_each(drop);
             }
         }
     }
@@ -99,7 +101,7 @@ mod tests {
         assert_eq!(mesh.group_of, [0, 1, 1, 1]);
         assert!(mesh.points.contains(&[0.1, 0.0, 0.0]));
         let plain = read("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n").unwrap();
-        assert_eq!((plain.groups, plain.polygons), (vec!["surface".to_string()], vec![vec![0, 1, 2, 3]]));
+        assert_eq!((&plain.groups[..], plain.polygons.of(0)), (&["surface".to_string()][..], &[0, 1, 2, 3][..]));
     }
 
     #[test]

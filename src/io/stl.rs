@@ -28,7 +28,7 @@ pub fn read(bytes: &[u8]) -> Result<PolygonMesh, FormatError> {
         };
         return Err(FormatError::new(0, message));
     }
-    mesh.group_of = vec![0; mesh.polygons.len()];
+    mesh.group_of = vec![0; mesh.polygons.count()];
     Ok(mesh)
 }
 
@@ -43,7 +43,7 @@ fn read_binary(bytes: &[u8], mesh: &mut PolygonMesh) -> Result<(), FormatError> 
             }
             mesh.points.push(point);
         }
-        mesh.polygons.push(vec![first, first + 1, first + 2]);
+        mesh.polygons.push([first, first + 1, first + 2]);
     }
     Ok(())
 }
@@ -63,7 +63,7 @@ fn read_text(text: &str, mesh: &mut PolygonMesh) -> Result<(), FormatError> {
                 }
                 corners = 0;
                 let end = mesh.points.len() as u32;
-                mesh.polygons.push(vec![end - 3, end - 2, end - 1]);
+                mesh.polygons.push([end - 3, end - 2, end - 1]);
             }
             Some("solid" | "facet" | "outer" | "endloop" | "endsolid") | None => {}
             Some(word) => return Err(FormatError::new(k + 1, format!("unknown keyword '{word}'"))),

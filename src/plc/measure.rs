@@ -24,20 +24,20 @@ pub fn measure(complex: &Complex) -> Measures {
         areas[facet.marker.index()] += area_of(complex, facet);
         facets[facet.marker.index()] += 1;
     }
-    let mut volumes = enclosed_volumes(complex.regions.len(), || walls(complex));
-    if let Some(outside) = volumes.first_mut() {
-        *outside = 0.0;
-    }
+    let volumes = enclosed_volumes(complex.regions.len(), || walls(complex));
     Measures { volumes: volumes.into(), areas: areas.into(), facets: facets.into() }
 }
 
 /// A triangle with what lies in front of it and behind it.
 type Wall = ([Vec3; 3], [u32; 2]);
 
-/// All triangles of a complex between their regions.
+/// What lies outside of all bodies.
+const NOTHING: u32 = u32::MAX;
+
+/// All triangles of a complex between their bounded regions.
 fn walls(complex: &Complex) -> impl Iterator<Item = Wall> {
     complex.facets.iter().flat_map(move |facet| {
-        let sides = facet.sides.map(|s| s.index() as u32);
+        let sides = facet.sides.map(|s| if s.index() == 0 { NOTHING } else { s.index() as u32 });
         facet.triangles.iter().map(move |t| (t.map(|v| complex.vertices[v].point), sides))
     })
 }
@@ -48,14 +48,16 @@ const WANTED_ERROR: f64 = 1e-11;
 /// sums, with room.
 const TERM_ERROR: f64 = 8.0 * f64::EPSILON;
 
-/// What the walls enclose, with sign, for each of `count` bodies. Each is summed about a vertex of its own, so that a small one
+/// What the walls enclose, with sign, for each of `count` bodies; sides with other numbers are in none. Each is summed about a vertex of its own, so that a small one
 /// far from the origin loses no digits, and summed again in double-double arithmetic where the terms cancel more than
 /// [`WANTED_ERROR`] allows: a shell of a thickness of 1e-9 of its size still has its volume to the last digits.
 pub fn enclosed_volumes<I: Iterator<Item = Wall>>(count: usize, walls: impl Fn() -> I) -> Vec<f64> {
     let mut sums = vec![Sum::default(); count];
     for (corners, sides) in walls() {
         for (side, sign) in sides.into_iter().zip([-1.0, 1.0]) {
-            sums[side as usize].add(corners, sign);
+            if let Some(sum) = sums.get_mut(side as usize) {
+                sum.add(corners, sign);
+            }
         }
     }
     let is_rough = |s: &Sum| s.magnitude * TERM_ERROR > WANTED_ERROR * s.value.hi.abs();
@@ -64,7 +66,8 @@ pub fn enclosed_volumes<I: Iterator<Item = Wall>>(count: usize, walls: impl Fn()
         let zero = Dd::from(0.0);
         sums.iter_mut().zip(&rough).filter(|(_, is_rough)| **is_rough).for_each(|(s, _)| s.value = zero);
         for (corners, sides) in walls() {
-            for (side, sign) in sides.into_iter().zip([-1.0, 1.0]).filter(|(side, _)| rough[*side as usize]) {
+            for (side, sign) in sides.into_iter().zip([-1.0, 1.0]).filter(|(side, _)| rough.get(*side as usize) == Some(&true))
+            {
                 sums[side as usize].add_exactly(corners, sign);
             }
         }
@@ -91,7 +94,8 @@ impl Default for Sum {
 impl Sum {
     fn add(&mut self, [a, b, c]: [Vec3; 3], sign: f64) {
         let origin = *self.origin.get_or_insert(a);
-        let [a, b, c] = [a, b, c].map(|p| p - origin);
+        // By edges, not by corners: small triangles far from the origin then have small terms, which cancel nothing.
+        let [a, b, c] = [a - origin, b - a, c - a];
         self.value = self.value + Dd::from(sign * a.dot(&b.cross(&c)));
         let [p, q, r] = [a, b, c].map(|x| x.abs());
         self.magnitude += p.dot(&Vec3::new(q.y * r.z + q.z * r.y, q.z * r.x + q.x * r.z, q.x * r.y + q.y * r.x));

@@ -2,9 +2,9 @@
 
 use crate::brep::complex::{Complex, ComplexFacet};
 use crate::geom::Vec3;
-use crate::ids::{SurfaceId, VertexId};
+use crate::ids::{Id, SurfaceId, VertexId};
 use serde::Serialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Angles below this many degrees are sharp (thesis 2.4.1).
 const SHARP: f64 = 30.0;
@@ -29,36 +29,67 @@ pub struct SharpAngle {
 /// The angles below 30 degrees of the facets that are single triangles, sharpest first, 1000 at most.
 pub fn sharp_angles(complex: &Complex) -> Vec<SharpAngle> {
     let point = |v: VertexId| complex.vertices[v].point;
-    // How much of each surface there is around a vertex.
-    let mut sectors: BTreeMap<(VertexId, SurfaceId), f64> = BTreeMap::new();
-    for facet in complex.facets.iter() {
-        for (vertex, angle) in facet.triangles.iter().flat_map(|t| angles_of(*t, point)) {
-            *sectors.entry((vertex, facet.surface)).or_default() += angle;
-        }
-    }
     let is_triangle = |f: &&ComplexFacet| matches!(&f.loops[..], [only] if only.len() == 3);
     let mut sharp = Vec::new();
     for facet in complex.facets.iter().filter(is_triangle) {
-        for (vertex, angle) in facet.triangles.iter().flat_map(|t| angles_of(*t, point)) {
+        for corner in facet.triangles.iter().flat_map(|t| corners_of(*t, point)).filter(Corner::may_be_sharp) {
+            let angle = corner.angle();
             if angle < SHARP - ROUNDING {
-                let sector = sectors.get(&(vertex, facet.surface)).copied().unwrap_or(0.0);
-                let interface = complex.markers[facet.marker].name.clone();
-                sharp.push(SharpAngle { angle, at: point(vertex).into(), interface, is_forced: sector < SHARP });
+                sharp.push((angle, corner.vertex, facet));
             }
         }
     }
-    sharp.sort_by(|a, b| a.angle.total_cmp(&b.angle));
+    sharp.sort_by(|a, b| a.0.total_cmp(&b.0));
     sharp.truncate(MOST);
-    sharp
+    let sectors = sectors(complex, &sharp.iter().map(|s| (s.1, s.2.surface)).collect());
+    let describe = |(angle, vertex, facet): (f64, VertexId, &ComplexFacet)| SharpAngle {
+        angle,
+        at: point(vertex).into(),
+        interface: complex.markers[facet.marker].name.clone(),
+        is_forced: sectors.get(&(vertex, facet.surface)).is_some_and(|sector| *sector < SHARP),
+    };
+    sharp.into_iter().map(describe).collect()
 }
 
-/// The corners of a triangle with their angles in degrees.
-fn angles_of(triangle: [VertexId; 3], point: impl Fn(VertexId) -> Vec3) -> [(VertexId, f64); 3] {
-    [0, 1, 2].map(|k| {
-        let [a, b, c] = [0, 1, 2].map(|i| point(triangle[(k + i) % 3]));
-        let (u, v) = (b - a, c - a);
-        (triangle[k], libm::atan2(u.cross(&v).norm(), u.dot(&v)).to_degrees())
-    })
+/// How much there is of a surface around a vertex, in degrees, for some of both.
+fn sectors(complex: &Complex, wanted: &BTreeSet<(VertexId, SurfaceId)>) -> BTreeMap<(VertexId, SurfaceId), f64> {
+    let mut is_wanted = vec![false; complex.vertices.len()];
+    wanted.iter().for_each(|w| is_wanted[w.0.index()] = true);
+    let mut sectors: BTreeMap<(VertexId, SurfaceId), f64> = BTreeMap::new();
+    for facet in complex.facets.iter() {
+        let corners = facet.triangles.iter().flat_map(|t| corners_of(*t, |v| complex.vertices[v].point));
+        for corner in corners.filter(|c| is_wanted[c.vertex.index()]) {
+            *sectors.entry((corner.vertex, facet.surface)).or_default() += corner.angle();
+        }
+    }
+    sectors
+}
+
+/// A corner of a triangle, and the edges from it.
+struct Corner {
+    vertex: VertexId,
+    edges: [Vec3; 2],
+}
+
+impl Corner {
+    /// Degrees.
+    fn angle(&self) -> f64 {
+        let [u, v] = &self.edges;
+        libm::atan2(u.cross(v).norm(), u.dot(v)).to_degrees()
+    }
+    /// Whether the angle is below some 31 degrees: few are, and the angle costs more than its cosine.
+    fn may_be_sharp(&self) -> bool {
+        const SQUARED_COSINE: f64 = 0.73;
+        let [u, v] = &self.edges;
+        let dot = u.dot(v);
+        dot >= 0.0 && dot * dot >= SQUARED_COSINE * u.norm_squared() * v.norm_squared()
+    }
+}
+
+/// The corners of a triangle.
+fn corners_of(triangle: [VertexId; 3], point: impl Fn(VertexId) -> Vec3) -> [Corner; 3] {
+    let at = triangle.map(point);
+    [0, 1, 2].map(|k| Corner { vertex: triangle[k], edges: [1, 2].map(|i| at[(k + i) % 3] - at[k]) })
 }
 
 #[cfg(test)]

@@ -31,7 +31,7 @@ use crate::arrangement::Arrangement;
 use crate::brep::complex::{Complex, ComplexFacet, ComplexSurface, ComplexVertex, KilledFacet};
 use crate::diag::Diagnostic;
 use crate::geom::Vec3;
-use crate::ids::{Id, IdVec, LeafId, PartId, RegionId, SurfaceId, VertexId};
+use crate::ids::{Id, IdVec, LeafId, MarkerId, PartId, RegionId, SurfaceId, VertexId};
 use crate::primitive::solid::{Freedom, Solid};
 use crate::select::{Selected, SelectedFacet};
 
@@ -68,14 +68,42 @@ pub struct Repairs {
 
 /// Polygons over points that are not rounded yet.
 struct Draft {
-    /// What the facets are, without loops, and how many corners they have if nothing cuts them.
-    facets: Vec<(ComplexFacet, usize)>,
+    /// What the facets are.
+    facets: Vec<Lineage>,
     /// Their loops.
     loops: collapse::Loops,
     /// The nearest `f64` to every point.
     places: Vec<Vec3>,
     /// The first places, which are exact.
     explicit: usize,
+}
+
+/// What a facet is, without loops: a third of its memory.
+#[derive(Clone, Copy)]
+struct Lineage {
+    sides: [RegionId; 2],
+    surface: SurfaceId,
+    source: (LeafId, u32),
+    marker: MarkerId,
+    is_modified: bool,
+    /// Corners that it has if nothing cuts it.
+    corners: u32,
+}
+
+impl Lineage {
+    fn of(facet: &ComplexFacet) -> Self {
+        let &ComplexFacet { sides, surface, source, marker, is_modified, .. } = facet;
+        Self { sides, surface, source, marker, is_modified, corners: corners(&facet.loops) }
+    }
+    fn facet(&self, loops: Vec<Vec<VertexId>>, triangles: Vec<[VertexId; 3]>) -> ComplexFacet {
+        let &Self { sides, surface, source, marker, is_modified, .. } = self;
+        let is_modified = is_modified || corners(&loops) != self.corners;
+        ComplexFacet { loops, triangles, sides, surface, source, marker, is_modified }
+    }
+}
+
+fn corners<T>(loops: &[Vec<T>]) -> u32 {
+    loops.iter().map(|walk| walk.len() as u32).sum()
 }
 
 /// Rounds, triangulates, verifies and numbers.
@@ -160,18 +188,18 @@ fn draft(
     let loops: Vec<Vec<Vec<u32>>> = selected.facets.iter_mut().map(|f| std::mem::take(&mut f.loops)).collect();
     let describe = |f: &SelectedFacet| {
         let source = &solids[f.source.0.index()].facets[f.source.1 as usize];
-        let facet = ComplexFacet {
-            loops: Vec::new(),
-            triangles: Vec::new(),
+        Lineage {
             sides: f.volumes.map(RegionId),
             surface: surface_of(f.source),
             source: f.source,
             marker: f.marker,
             is_modified: f.is_partial,
-        };
-        (facet, source.loops.iter().map(Vec::len).sum())
+            corners: corners(&source.loops),
+        }
     };
     let facets = selected.facets.iter().map(describe).collect();
+    // Their memory serves what follows.
+    selected.facets = Vec::new();
     let places = (0..arrangement.points.len() as u32).map(|p| arrangement.points.at(p)).collect();
     Draft { facets, loops, places, explicit: arrangement.points.explicit_len() }
 }
@@ -180,13 +208,9 @@ fn draft(
 fn fill(complex: &mut Complex, draft: Draft, reach: f64) -> Result<(), Diagnostic> {
     let (points, loops) = collapse::weld(draft.loops, &draft.places, draft.explicit, reach);
     let facet = |piece: facets::Piece| {
-        let (facet, corners) = &draft.facets[piece.facet];
-        ComplexFacet {
-            is_modified: facet.is_modified || piece.loops.iter().map(Vec::len).sum::<usize>() != *corners,
-            loops: piece.loops.into_iter().map(|l| l.into_iter().map(VertexId).collect()).collect(),
-            triangles: piece.triangles.into_iter().map(|t| t.map(VertexId)).collect(),
-            ..facet.clone()
-        }
+        let loops = piece.loops.into_iter().map(|l| l.into_iter().map(VertexId).collect()).collect();
+        let triangles = piece.triangles.into_iter().map(|t| t.map(VertexId)).collect();
+        draft.facets[piece.facet].facet(loops, triangles)
     };
     complex.facets = facets::triangulate(loops, &points, reach)?.into_iter().map(facet).collect::<Vec<_>>().into();
     let vertex = |point| ComplexVertex { point, freedom: Freedom::Fixed };

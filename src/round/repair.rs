@@ -7,9 +7,9 @@
 //! Rounded again, new points fall onto the vertices that they came from, and what nearly touched is joined (the idea of snap
 //! rounding: Hobby 1999; in space: Devillers, Lazard, Lenhart 2018).
 
-use super::{Draft, collapse, dissolve};
+use super::{Draft, Lineage, collapse, dissolve};
 use crate::arrangement::{self, Arrangement};
-use crate::brep::complex::{Complex, ComplexFacet};
+use crate::brep::complex::Complex;
 use crate::classify::EdgeUses;
 use crate::contact::conforming::{Cell, Conforming, Owner};
 use crate::cull::Fate;
@@ -50,15 +50,8 @@ pub fn cut_again(complex: &Complex, reach: f64) -> Result<Draft, Diagnostic> {
     dissolve::dissolve(&mut loops, &places, reach);
     let facets = merged.iter().map(|f| {
         let old = &complex.facets[FacetId(f.source.0.0)];
-        let facet = ComplexFacet {
-            loops: Vec::new(),
-            triangles: Vec::new(),
-            sides: f.volumes.map(RegionId),
-            marker: f.marker,
-            is_modified: old.is_modified || f.is_partial,
-            ..old.clone()
-        };
-        (facet, old.loops.iter().map(Vec::len).sum())
+        let is_modified = old.is_modified || f.is_partial;
+        Lineage { sides: f.volumes.map(RegionId), marker: f.marker, is_modified, ..Lineage::of(old) }
     });
     Ok(Draft { facets: facets.collect(), loops, places, explicit: input.points.len() })
 }

@@ -29,7 +29,7 @@ fn complex() -> Complex {
 fn moved(complex: &Complex, place: impl FnMut(&ComplexVertex) -> Vec3) -> Draft {
     let loops = |f: &ComplexFacet| f.loops.iter().map(|l| l.iter().map(|v| v.0).collect()).collect();
     Draft {
-        facets: complex.facets.iter().map(|f| (f.clone(), 0)).collect(),
+        facets: complex.facets.iter().map(|f| Lineage { corners: 0, ..Lineage::of(f) }).collect(),
         loops: complex.facets.iter().map(loops).collect(),
         places: complex.vertices.iter().map(place).collect(),
         explicit: 0,

@@ -77,6 +77,12 @@ struct Use {
     is_forward: bool,
 }
 
+impl Default for Use {
+    fn default() -> Self {
+        Self { facet: FacetId(0), upper: VertexId(0), apex: VertexId(0), is_forward: false }
+    }
+}
+
 impl Use {
     /// The sides that look clockwise and counter-clockwise about the edge: twice the facet, plus one for its back.
     fn sides(&self) -> [u32; 2] {
@@ -91,23 +97,18 @@ impl Use {
 
 /// Joins the sides of facets around every edge; an error where they are not of one part.
 fn enclosed(complex: &Complex, parts: &[Option<PartId>]) -> Result<Volumes, Vec<Fault>> {
-    let count = complex.facets.iter().map(|f| 3 * f.triangles.len()).sum();
-    let (mut uses, mut by_lower) = (Vec::with_capacity(count), Vec::with_capacity(count));
-    for (facet, data) in complex.facets.enumerate() {
-        for &[a, b, c] in &data.triangles {
-            for [a, b, apex] in [[a, b, c], [b, c, a], [c, a, b]] {
-                by_lower.push((a.min(b).0, uses.len() as u32));
-                uses.push(Use { facet, upper: a.max(b), apex, is_forward: a < b });
-            }
-        }
-    }
-    let at = Lists::new(complex.vertices.len(), &by_lower);
-    let (mut faults, mut unlisted, mut around) = (Vec::new(), Vec::new(), Vec::new());
+    let facets = complex.facets.as_slice().iter().zip(0..);
+    let triangles = facets.flat_map(|(data, facet)| data.triangles.iter().map(move |t| (FacetId(facet), *t)));
+    let uses = triangles.flat_map(|(facet, [a, b, c])| {
+        let side = move |a: VertexId, b: VertexId, apex| (a.min(b).0, Use { facet, upper: a.max(b), apex, is_forward: a < b });
+        [side(a, b, c), side(b, c, a), side(c, a, b)]
+    });
+    let mut at_lower = Lists::from_iter(complex.vertices.len(), uses);
+    let (mut faults, mut unlisted) = (Vec::new(), Vec::new());
     let mut sides = UnionFind::new(2 * complex.facets.len());
     for lower in complex.vertices.ids() {
-        around.clear();
-        around.extend(at.of(lower.0).iter().map(|&k| uses[k as usize]));
-        around.sort_by_key(|u: &Use| u.upper);
+        let around = at_lower.of_mut(lower.0);
+        around.sort_by_key(|u| u.upper);
         for same in around.chunk_by_mut(|x, y| x.upper == y.upper) {
             // The order of two is known.
             if same.len() > 2 {

@@ -12,8 +12,10 @@ mod bundles;
 mod contact;
 mod fans;
 mod loose;
+mod terrain;
 #[cfg(test)]
 mod tests;
+mod twins;
 
 pub(crate) use loose::is_inside;
 pub use loose::{LooseViolation, Partner, loose_violations};
@@ -24,10 +26,15 @@ use super::bvh::Bvh;
 use super::predicates::{Projection, orient2d};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
+use terrain::Terrains;
+use twins::NONE;
 
 /// Pieces that the search is cut into: enough to keep many threads busy, few enough to cost nothing on one. It is fixed,
 /// so that the result does not depend on the number of threads.
 const TASKS: usize = 512;
+
+/// Triangles from which on [`terrain`] gains time.
+const MANY: usize = 500;
 
 /// What two triangles have in common that they must not, the mildest first. Where several apply, the worst is reported.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, serde::Serialize)]
@@ -77,17 +84,28 @@ pub fn violations(points: &[Vec3], triangles: &[[u32; 3]], limit: usize) -> Vec<
         .map(|t| Violation { triangles: [t, t], kind: Kind::Degenerate, point: points[triangles[t as usize][0] as usize] })
         .take(limit)
         .collect();
-    let (plain, fans) = fans::split(points, triangles, &projections);
+    let (mut plain, fans) = fans::split(points, triangles, &projections);
+    let mut terrain_of = vec![NONE; triangles.len()];
+    if triangles.len() >= MANY {
+        let Terrains { of, live } = Terrains::new(points, triangles, &projections);
+        let mut is_plain = vec![false; triangles.len()];
+        plain.iter().for_each(|&t| is_plain[t as usize] = true);
+        plain = live.into_iter().filter(|&t| is_plain[t as usize]).collect();
+        terrain_of = of;
+    }
     let around = |t: u32| Aabb::around(triangles[t as usize].iter().map(|&v| &points[v as usize]));
     let mut tree = Bvh::new(plain.iter().map(|&t| around(t)).collect());
     let number: Vec<u32> = tree.renumber().into_iter().map(|k| plain[k as usize]).collect();
     // Triangles in the order of the tree: pairs then lie side by side in memory.
-    let face = |t: u32| (t, triangles[t as usize], projections[t as usize]);
+    let face = |number: u32| {
+        let t = number as usize;
+        Face { number, corners: triangles[t], projection: projections[t], terrain: terrain_of[t] }
+    };
     let faces: Vec<Face> = number.iter().map(|&t| face(t)).collect();
     let search = |task| {
         let mut local = Vec::new();
         tree.overlapping_pairs(task, |s, t| {
-            local.extend(violation(points, faces[s as usize], faces[t as usize]));
+            local.extend(violation(points, &faces[s as usize], &faces[t as usize]));
             if local.len() < limit { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
         });
         local
@@ -99,11 +117,11 @@ pub fn violations(points: &[Vec3], triangles: &[[u32; 3]], limit: usize) -> Vec<
         if found.len() - before >= limit {
             break;
         }
-        tree.overlapping(&around(t), |s| found.extend(violation(points, faces[s as usize], face(t))));
+        tree.overlapping(&around(t), |s| found.extend(violation(points, &faces[s as usize], &face(t))));
     }
     let before = found.len();
     fans.pairs(|s, t| {
-        found.extend(violation(points, face(s), face(t)));
+        found.extend(violation(points, &face(s), &face(t)));
         if found.len() - before < limit { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     });
     found.sort_unstable_by_key(|v| v.triangles);
@@ -111,15 +129,29 @@ pub fn violations(points: &[Vec3], triangles: &[[u32; 3]], limit: usize) -> Vec<
     found
 }
 
-/// A triangle with its number, and its projection if it has area.
-type Face = (u32, [u32; 3], Option<Projection>);
+/// A triangle.
+struct Face {
+    number: u32,
+    corners: [u32; 3],
+    /// If it has area.
+    projection: Option<Projection>,
+    /// The proven terrain that it belongs to, or [`NONE`].
+    terrain: u32,
+}
 
 /// What is wrong between two triangles with area.
-fn violation(points: &[Vec3], one: Face, other: Face) -> Option<Violation> {
-    let [first, second] = if one.0 < other.0 { [one, other] } else { [other, one] };
-    let pair = contact::Pair { points, triangles: [first.1, second.1], projections: [first.2?, second.2?] };
+fn violation(points: &[Vec3], one: &Face, other: &Face) -> Option<Violation> {
+    if one.terrain == other.terrain && one.terrain != NONE {
+        return None;
+    }
+    let [first, second] = if one.number < other.number { [one, other] } else { [other, one] };
+    let pair = contact::Pair {
+        points,
+        triangles: [first.corners, second.corners],
+        projections: [first.projection?, second.projection?],
+    };
     let (kind, point) = pair.forbidden_contact()?;
-    Some(Violation { triangles: [first.0, second.0], kind, point })
+    Some(Violation { triangles: [first.number, second.number], kind, point })
 }
 
 /// The coordinate plane in which the triangle is counter-clockwise with, as far as floats tell, the largest area; `None` if it

@@ -173,3 +173,86 @@ fn a_fan_of_many_triangles_is_searched_whole() {
     triangles.push([0, 1, 1]);
     assert_eq!(kinds(&points, &triangles), [Kind::Degenerate]);
 }
+
+/// A closed rolled carpet of `n` by `n` squares on both sides, whose layers come near each other; some vertices are moved.
+fn carpet(n: u32, moved: &[(u32, Vec3)]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let at = |side: u32, i: u32, j: u32| {
+        let angle = 9.0 * f64::from(i) / f64::from(n);
+        let radius = 0.3 + 0.1 * angle + 0.2 * f64::from(side) + 0.01 * libm::sin(f64::from(7 * j));
+        v(radius * libm::cos(angle), 2.0 * f64::from(j) / f64::from(n), radius * libm::sin(angle))
+    };
+    let size = n + 1;
+    let number = |side: u32, i: u32, j: u32| side * size * size + i * size + j;
+    let places = (0..2).flat_map(|s| (0..size).flat_map(move |i| (0..size).map(move |j| at(s, i, j))));
+    let mut points: Vec<Vec3> = places.collect();
+    moved.iter().for_each(|(k, by)| points[*k as usize] += by);
+    let mut triangles = Vec::new();
+    let mut square = |[a, b, c, d]: [u32; 4]| triangles.extend([[a, b, c], [a, c, d]]);
+    for k in 0..n {
+        for j in 0..n {
+            let inner = [number(0, k, j), number(0, k + 1, j), number(0, k + 1, j + 1), number(0, k, j + 1)];
+            square(inner);
+            square(inner.map(|v| v + size * size).into_iter().rev().collect::<Vec<_>>().try_into().unwrap());
+        }
+        let mut wall = |a: u32, b: u32| square([b, a, a + size * size, b + size * size]);
+        wall(number(0, k, 0), number(0, k + 1, 0));
+        wall(number(0, k + 1, n), number(0, k, n));
+        wall(number(0, 0, k + 1), number(0, 0, k));
+        wall(number(0, n, k), number(0, n, k + 1));
+    }
+    (points, triangles)
+}
+
+/// All pairs, one by one.
+fn one_by_one(points: &[Vec3], triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
+    let corners = |t: usize| triangles[t].map(|v| points[v as usize]);
+    let mut found = Vec::new();
+    for t in 0..triangles.len() {
+        for s in 0..t {
+            if !Aabb::around(&corners(s)).overlaps(&Aabb::around(&corners(t))) {
+                continue;
+            }
+            let (Some(p), Some(q)) = (projection_of(corners(s)), projection_of(corners(t))) else { continue };
+            let pair = contact::Pair { points, triangles: [triangles[s], triangles[t]], projections: [p, q] };
+            if pair.forbidden_contact().is_some() {
+                found.push([s as u32, t as u32]);
+            }
+        }
+    }
+    found.sort_unstable();
+    found
+}
+
+#[test]
+fn terrains_hide_no_contact() {
+    let n = 14;
+    let (middle, count) = (n * n / 2 + n, (n + 1) * (n + 1));
+    let mut state = 7u64;
+    let mut next = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as u32
+    };
+    let (mut proven, mut hits, mut clean) = (0, 0, 0);
+    for round in 0..40 {
+        // Vertices pushed over neighbours, out of the surface, through other layers; the first carpet is flawless.
+        let mut push = || f64::from(next() % 1000) * 1e-3 - 0.5;
+        let dents: Vec<Vec3> = (0..round % 5).map(|_| v(push(), push(), push())).collect();
+        let dents: Vec<(u32, Vec3)> = dents.into_iter().map(|by| (next() % (2 * count), by)).collect();
+        let (points, mut triangles) = carpet(n, &dents);
+        // A fin, one that touches more, and a triangle turned over.
+        match round % 4 {
+            1 => triangles.push([middle, middle + 1, count + middle]),
+            2 => triangles.push([5, n + 6, 2 * n + 9]),
+            3 => triangles[77].swap(0, 1),
+            _ => {}
+        }
+        let found: Vec<[u32; 2]> = violations(&points, &triangles, usize::MAX).iter().map(|v| v.triangles).collect();
+        assert_eq!(found, one_by_one(&points, &triangles), "{round}");
+        let projections: Vec<_> = triangles.iter().map(|t| projection_of(t.map(|v| points[v as usize]))).collect();
+        let terrains = Terrains::new(&points, &triangles, &projections);
+        proven += terrains.of.iter().filter(|t| **t != NONE).count();
+        hits += found.len();
+        clean += usize::from(found.is_empty());
+    }
+    assert!(proven > 40 * 600 && hits > 40 * 5 && clean > 0, "{proven} {hits} {clean}");
+}

@@ -1,0 +1,97 @@
+//! Pieces of one plane become one polygon: files of triangles hold many that were one facet, and fewer facets are intersected,
+//! written and meshed faster.
+
+use super::Surface;
+use super::sides::Sides;
+use crate::geom::Vec3;
+use crate::geom::hash::IndexMap;
+use crate::geom::lists::Lists;
+use crate::geom::polygon::{is_planar, triangulate, vector_area};
+use crate::geom::union_find::UnionFind;
+
+/// The surface with every set of polygons of one group that lie within `flatness` of a plane, and are together a simple polygon
+/// without a point inside, as that polygon; `None` if there is no such set. The volume changes by rounding only. O(n log n).
+pub(super) fn join(surface: &Surface, sides: &Sides, flatness: f64) -> Option<Surface> {
+    let count = surface.polygons.count();
+    let planes: Vec<Plane> = surface.polygons.iter().map(|walk| Plane::of(walk, &surface.points)).collect();
+    let mut sets = UnionFind::new(count);
+    let mut is_joined = false;
+    for (_, sides) in sides.edges() {
+        let &[a, b] = sides else { continue };
+        let [a, b] = [a.polygon(), b.polygon()];
+        if surface.group_of[a as usize] != surface.group_of[b as usize] {
+            continue;
+        }
+        let [p, q] = [a, b].map(|k| &planes[k as usize]);
+        let is_level = |plane: &Plane, k: u32| plane.holds(surface.polygons.of(k), &surface.points, flatness);
+        if p.normal.dot(&q.normal) > 0.0 && is_level(p, b) && is_level(q, a) {
+            sets.join(a, b);
+            is_joined = true;
+        }
+    }
+    is_joined.then(|| collect(surface, sets, flatness)).flatten()
+}
+
+struct Plane {
+    origin: Vec3,
+    normal: Vec3,
+}
+
+impl Plane {
+    fn of(walk: &[u32], points: &[Vec3]) -> Self {
+        Self { origin: points[walk[0] as usize], normal: vector_area([walk], points).normalize() }
+    }
+    fn holds(&self, walk: &[u32], points: &[Vec3], flatness: f64) -> bool {
+        walk.iter().all(|&v| (points[v as usize] - self.origin).dot(&self.normal).abs() <= flatness)
+    }
+}
+
+/// Each set in the place of its first polygon, as one polygon where it can be.
+fn collect(surface: &Surface, sets: UnionFind, flatness: f64) -> Option<Surface> {
+    let (set_of, count) = sets.number();
+    let members = Lists::from_iter(count, set_of.into_iter().zip(0u32..));
+    if members.count() == surface.polygons.count() {
+        return None;
+    }
+    let (mut polygons, mut group_of) = (Lists::default(), Vec::new());
+    for own in members.iter() {
+        let group = surface.group_of[own[0] as usize];
+        match (own.len() > 1).then(|| outline(surface, own, flatness)).flatten() {
+            Some(walk) => polygons.push(walk),
+            None => own.iter().for_each(|&k| polygons.push(surface.polygons.of(k).iter().copied())),
+        }
+        group_of.resize(polygons.count(), group);
+    }
+    Some(Surface { points: surface.points.clone(), polygons, group_of })
+}
+
+/// The one loop around polygons, if it is a simple polygon and has all their points.
+fn outline(surface: &Surface, own: &[u32], flatness: f64) -> Option<Vec<u32>> {
+    let walks = || own.iter().map(|&k| surface.polygons.of(k));
+    let sides = || walks().flat_map(|w| (0..w.len()).map(move |k| [w[k], w[(k + 1) % w.len()]]));
+    let mut all: Vec<[u32; 2]> = sides().collect();
+    all.sort_unstable();
+    let mut next: IndexMap<u32, u32> = IndexMap::default();
+    for &[a, b] in all.iter().filter(|[a, b]| all.binary_search(&[*b, *a]).is_err()) {
+        if next.insert(a, b).is_some() {
+            return None;
+        }
+    }
+    let mut points: Vec<u32> = all.iter().map(|side| side[0]).collect();
+    points.dedup();
+    let start = sides().map(|side| side[0]).find(|a| next.contains_key(a))?;
+    let (mut walk, mut at) = (Vec::with_capacity(next.len()), start);
+    while let Some(onward) = next.remove(&at) {
+        walk.push(at);
+        at = onward;
+    }
+    let is_whole = at == start && walk.len() == points.len();
+    let is_simple = || triangulate(&[&walk], &[], &[], &surface.points).is_ok_and(|t| t.len() + 2 == walk.len());
+    let is_flat = || is_planar(&[&walk], &surface.points, flatness);
+    // Walked around inside out, it would turn over.
+    let is_along = || {
+        let whole = vector_area([&walk[..]], &surface.points);
+        walks().all(|w| vector_area([w], &surface.points).dot(&whole) > 0.0)
+    };
+    (is_whole && is_flat() && is_along() && is_simple()).then_some(walk)
+}

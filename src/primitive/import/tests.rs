@@ -1,0 +1,110 @@
+//! Cubes, as files give them.
+
+use super::*;
+use crate::geom::Affine;
+use crate::scene::model::{Division, Primitive};
+
+const CUBE: &str = "OFF\n8 6 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n1 1 1\n0 1 1\n\
+    4 3 2 1 0\n4 4 5 6 7\n4 0 1 5 4\n4 1 2 6 5\n4 2 3 7 6\n4 3 0 4 7\n";
+
+fn read(name: &str, text: &str) -> Result<Solid, Diagnostic> {
+    let path = std::env::temp_dir().join(format!("gsm-import-{}-{name}", std::process::id()));
+    std::fs::write(&path, text).unwrap();
+    let division = Division { segments: None, max_angle: None, max_chord_error: None };
+    let leaf = Leaf {
+        primitive: Primitive::Import { path: path.clone(), scale: 2.0 },
+        transform: Affine::identity(),
+        division,
+        tolerance: None,
+        is_triangulated: false,
+        name: None,
+        span: Default::default(),
+    };
+    let solid = import(&leaf, &path, 2.0);
+    std::fs::remove_file(&path).unwrap();
+    solid
+}
+
+#[test]
+fn cube_of_quadrilaterals() {
+    let solid = read("a.off", CUBE).unwrap();
+    assert_eq!((solid.vertices.len(), solid.facets.len()), (8, 6));
+    assert!(solid.vertices.iter().all(|v| v.freedom == Freedom::Fixed));
+    assert!(solid.vertices.iter().any(|v| v.point == Vec3::new(2., 2., 2.)));
+    let top = solid.facets.iter().find(|f| f.loops[0].iter().all(|v| solid.vertices[*v as usize].point.z == 2.)).unwrap();
+    let points: Vec<Vec3> = solid.vertices.iter().map(|v| v.point).collect();
+    assert_eq!(vector_area([&top.loops[0][..]], &points), Vec3::new(0., 0., 4.));
+}
+
+#[test]
+fn inside_out_is_turned_and_bent_polygons_are_cut() {
+    let mut lines: Vec<String> = CUBE.lines().map(String::from).collect();
+    for line in &mut lines[10..] {
+        let mut words: Vec<&str> = line.split(' ').collect();
+        words[1..].reverse();
+        *line = words.join(" ");
+    }
+    assert_eq!(read("b.off", &lines.join("\n")).unwrap().facets.len(), 6);
+    let bent = read("c.off", &CUBE.replace("\n1 1 1\n", "\n1 1 1.5\n")).unwrap();
+    assert_eq!(bent.facets.len(), 9 - 2);
+}
+
+#[test]
+fn faults_are_named() {
+    let open = read("d.off", &CUBE.replace("8 6 0", "8 5 0")).unwrap_err();
+    assert_eq!((open.code, open.points.len()), ("open-surface", 4));
+    let twisted = read("e.off", &CUBE.replace("4 3 0 4 7", "4 7 4 0 3")).unwrap_err();
+    assert!(twisted.message.contains("opposite orientation"));
+    let doubled = read("i.off", &(CUBE.replace("8 6 0", "8 7 0") + "4 3 0 4 7\n")).unwrap_err();
+    assert!(doubled.message.contains("more than two facets"), "{}", doubled.message);
+    assert_eq!(read("j.off", &CUBE.replace("1 1 1", "1 1 1e300")).unwrap_err().code, "out-of-range");
+    assert_eq!(read("k.off", "OFF\n0 0 0\n").unwrap_err().code, "no-facets");
+    assert_eq!(read("f.off", &CUBE.replace("4 3 0 4 7", "4 3 0 4 0")).unwrap_err().code, "flat-facet");
+    assert_eq!(read("g.off", &CUBE.replace("4 3 0 4 7", "4 3 0 4 8")).unwrap_err().code, "malformed-file");
+    assert_eq!(read("h.ply", "").unwrap_err().code, "unknown-format");
+}
+
+/// The cube with every side cut into two triangles, and `more` instead of its top.
+fn cut(more: &[&str]) -> String {
+    let mut lines: Vec<String> = CUBE.lines().take(10).map(String::from).collect();
+    for side in CUBE.lines().skip(10) {
+        let v: Vec<&str> = side.split(' ').skip(1).collect();
+        if side == "4 4 5 6 7" && !more.is_empty() {
+            lines.extend(more.iter().map(|m| m.to_string()));
+        } else {
+            lines.extend([format!("3 {} {} {}", v[0], v[1], v[2]), format!("3 {} {} {}", v[0], v[2], v[3])]);
+        }
+    }
+    lines[1] = format!("9 {} 0", lines.len() - 10);
+    lines.insert(10, "0.5 0.5 1".into());
+    lines.join("\n") + "\n"
+}
+
+#[test]
+fn pieces_of_a_plane_become_one_polygon() {
+    let corners = |text: &str, name: &str| {
+        let solid = read(name, text).unwrap();
+        assert!(solid.vertices.iter().all(|v| v.freedom != Freedom::Edge));
+        let mut corners: Vec<usize> = solid.facets.iter().map(|f| f.loops[0].len()).collect();
+        corners.sort_unstable();
+        corners
+    };
+    assert_eq!(corners(&cut(&[]), "l.off"), [4; 6]);
+    // Turned about an axis, its corners are planar to rounding only.
+    let turned = cut(&[]).lines().enumerate().fold(String::new(), |text, (k, line)| match k {
+        2..11 => {
+            let p: Vec<f64> = line.split(' ').map(|x| x.parse().unwrap()).collect();
+            let p = nalgebra::Rotation3::new(Vec3::new(0.3, -1.1, 0.7)) * Vec3::new(p[0], p[1], p[2]);
+            text + &format!("{} {} {}\n", p.x, p.y, p.z)
+        }
+        _ => text + line + "\n",
+    });
+    assert_eq!(corners(&turned, "m.off"), [4; 6]);
+    // A point inside the top must not be lost.
+    let star = ["3 4 5 8", "3 5 6 8", "3 6 7 8", "3 7 4 8"];
+    assert_eq!(corners(&cut(&star), "n.off"), [3, 3, 3, 3, 4, 4, 4, 4, 4]);
+    // A top of two pieces that hang together at a corner only, after one was raised.
+    let raised = cut(&star).replace("0.5 0.5 1", "0.5 0.5 1.25");
+    assert_eq!(corners(&raised, "o.off"), [3, 3, 3, 3, 4, 4, 4, 4, 4]);
+    assert_eq!(read("p.off", &cut(&["3 4 5 6", "3 4 6 7", "3 4 6 5", "3 4 5 6"])).unwrap_err().code, "self-intersection");
+}
