@@ -15,6 +15,7 @@ use crate::geom::Vec3;
 use crate::geom::radial::Axis;
 use crate::ids::{FacetId, Id, IdVec, RegionId, VertexId};
 use std::cmp::Ordering;
+use std::collections::HashSet;
 
 impl Brep {
     /// Builds the model.
@@ -53,7 +54,7 @@ impl Brep {
             .map(|facet| {
                 let data = &self.facets[facet];
                 ComplexFacet {
-                    loops: topology.loops(facet).map(|w| topology.corners(w).map(renumber).collect()).collect(),
+                    loops: topology.loops(facet).flat_map(|w| segments(topology.corners(w).map(renumber).collect())).collect(),
                     triangles: self.triangles(facet).map(|t| t.map(renumber)).collect(),
                     sides: topology.sides(facet),
                     surface: data.surface,
@@ -112,6 +113,20 @@ fn facet_data(facet: &mut ComplexFacet) -> FacetData {
     let is_triangle = loops.len() == 1 && loops[0].len() == 3 && triangles.len() == 1;
     let tiles = if is_triangle { Vec::new() } else { std::mem::take(triangles) };
     FacetData { surface, source, marker, is_modified, tiles }
+}
+
+/// A loop; one that only goes out and back again, as loops about loose segments do that have been split, as its segments.
+fn segments(walk: Vec<VertexId>) -> Vec<Vec<VertexId>> {
+    let at = |k: usize| walk[k % walk.len()];
+    let turns_back = walk.len() > 2 && (0..walk.len()).any(|k| at(k) == at(k + 2));
+    if turns_back {
+        let edges: HashSet<[VertexId; 2]> = (0..walk.len()).map(|k| [at(k), at(k + 1)]).collect();
+        if edges.iter().all(|&[a, b]| edges.contains(&[b, a])) {
+            let once = (0..walk.len()).map(|k| [at(k), at(k + 1)]).filter(|[a, b]| a < b);
+            return once.map(|e| e.to_vec()).collect();
+        }
+    }
+    vec![walk]
 }
 
 /// All ids in range, no empty loop, no edge from a vertex to itself.

@@ -5,43 +5,54 @@
 //! plane, and TetGen merges them.
 
 use super::pieces::{cut_at, edges_of};
-use super::workpiece::Workpiece;
+use super::workpiece::{Place, Workpiece};
 use crate::brep::complex::{Complex, ComplexFacet};
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
 use crate::geom::polygon::is_planar;
 use crate::geom::predicates::{Projection, orient2d};
-use crate::ids::{FacetId, Id, IdVec, VertexId};
+use crate::ids::{Id, IdVec, VertexId};
+use crate::patch::curve::Curve;
 use crate::round::PLANAR_ULPS;
 use std::collections::HashSet;
 
 /// Sine of the turn below which a corner counts as straight.
 const STRAIGHT_SINE: f64 = 1e-9;
 
-/// How far such corners are moved, as a fraction of the shorter edge at them: far above TetGen's tolerance of 1e-8, far below
-/// what any deviation allows.
+/// How far such corners are moved, as a fraction of the way to the nearer end of their line: far above TetGen's tolerance of
+/// 1e-8, far below what any deviation allows.
 pub(super) const TRACE: f64 = 1e-6;
 
 impl Workpiece {
-    /// Moves nearly straight corners of polygons outwards, if all other facets there are remeshed triangles.
+    /// Moves nearly straight corners of polygons outwards, if all other facets there are remeshed triangles. From then on they
+    /// slide along lines of their own.
     pub fn clear_straight_corners(&mut self) {
         let points: Vec<Vec3> = self.brep.vertices.iter().map(|v| v.point).collect();
         let topology = &self.brep.topology;
-        let polygons: Vec<FacetId> = topology.facets().filter(|&f| self.corners(f).is_none()).collect();
-        let mut moves: Vec<(VertexId, Vec3)> = Vec::new();
+        let polygons = topology.facets().filter(|&f| self.corners(f).is_none());
+        let mut moves: Vec<(VertexId, Vec3, Vec3)> = Vec::new();
         for facet in polygons {
             let loops: Vec<Vec<VertexId>> = topology.loops(facet).map(|w| topology.corners(w).collect()).collect();
             let normal = self.normal(facet);
-            for [a, at, b] in straight_corners(&loops, &points) {
-                if topology.facets_at(at).all(|f| f == facet || self.is_treated(f)) {
-                    let (from, here, to) = (self.point(a), self.point(at), self.point(b));
-                    let out = (to - from).cross(&normal).normalize();
-                    moves.push((at, here + out * (TRACE * (here - from).norm().min((to - here).norm()))));
+            // Corners that follow each other on one line come to lie on a bow.
+            for run in straight_corners(&loops, &points).chunk_by(|p, q| p[1] == q[0]) {
+                let (from, to) = (self.point(run[0][0]), self.point(run[run.len() - 1][2]));
+                let (length, direction) = ((to - from).norm(), (to - from).normalize());
+                let out = direction.cross(&normal);
+                for &[_, at, _] in run {
+                    if topology.facets_at(at).all(|f| f == facet || self.is_treated(f)) {
+                        let here = self.point(at);
+                        let way = TRACE * (here - from).norm() * (to - here).norm() / length;
+                        moves.push((at, here + out * way, direction));
+                    }
                 }
             }
         }
-        for (vertex, to) in moves {
-            self.relocate(vertex, to);
+        for (vertex, origin, direction) in moves {
+            self.relocate(vertex, origin);
+            if matches!(self.place(vertex), Place::Curve(_)) {
+                self.places[vertex.index()] = Place::Curve(self.curves.push(Curve::Line { origin, direction }));
+            }
         }
     }
 }
@@ -60,7 +71,11 @@ pub(super) fn cut_unsound(complex: &mut Complex) {
             facets.push(facet);
         } else if is_planar(&walks, &points, flatness) {
             let corners: Vec<VertexId> = straight_corners(&facet.loops, &points).into_iter().map(|way| way[1]).collect();
-            facets.extend(cut_at(facet, &corners, &points));
+            if corners.is_empty() {
+                facets.push(facet);
+            } else {
+                facets.extend(cut_at(facet, &corners, &points));
+            }
         } else {
             facets.extend(triangles_of(&facet));
         }

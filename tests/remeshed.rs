@@ -1,0 +1,71 @@
+//! Scenes whose remeshing once took minutes or left needles, through the command line.
+
+mod support;
+
+use support::{build, folder, gsm};
+
+/// Smallest angle in degrees, share of triangles below 30, number of triangles.
+fn shape(name: &str, mode: &str, scene: &str) -> (f64, f64, u64) {
+    let folder = folder(&format!("remeshed-{name}-{mode}"));
+    let file = folder.join("scene.ron");
+    std::fs::write(&file, scene).unwrap();
+    let quality = &build(&file, &["--remesh", mode], &folder)["quality"];
+    let check = gsm(["check", "scene.poly"], &folder);
+    assert_eq!(check.status.code(), Some(0), "{name} {mode}: {}", String::from_utf8_lossy(&check.stdout));
+    let number = |key: &str| quality[key].as_f64().unwrap_or_else(|| panic!("{name} {mode}: {key} in {quality}"));
+    (number("min_angle"), number("below_30"), number("triangles") as u64)
+}
+
+/// The rim lies on the sphere, 6² + 8² = 10²: on the facets the rim and the intersection are two curves, in truth one. The
+/// facets between stay as evaluated, where the smallest angle is 30.4 degrees. In Full whole strips stay, and at their short
+/// edges at the other crossing triangles are narrow.
+#[test]
+fn a_rim_on_a_sphere_stays() {
+    let scene = r#"Scene(units: "mm", parts: [
+        Part(name: "ball", solid: Sphere(radius: 10)),
+        Part(name: "rod", solid: Cylinder(radius: 6, height: 23, base: (0, 0, -15))),
+    ])"#;
+    for (mode, least) in [("interfaces", 30.0), ("full", 1.0)] {
+        let (found, _, count) = shape("rim", mode, scene);
+        assert!(found > least && count < 1000, "{mode}: {found} {count}");
+    }
+}
+
+/// A shell of a thousandth of its radius does not ask for triangles as small as it is thin.
+#[test]
+fn a_thin_shell_gets_no_million_triangles() {
+    let scene = r#"Scene(units: "mm", parts: [
+        Part(name: "shell", solid: Difference([Sphere(radius: 50), Sphere(radius: 49.95)])),
+    ])"#;
+    let (least, _, count) = shape("shell", "full", scene);
+    assert!(least > 25.0 && count < 100_000, "{least} {count}");
+}
+
+/// Askew strips that stay beside remeshed ones, and askew planes beside a remeshed hole, have vertices of their neighbours on
+/// straight edges. They stay polygons; once they were cut into fans of needles.
+#[test]
+fn askew_polygons_are_not_cut_into_fans() {
+    let strips = r#"Scene(units: "mm", parts: [
+        Part(name: "c", solid: Rotate(axis: (2, 1, 3), angle: 65, solid: Frustum(bottom_radius: 10, top_radius: 4, height: 15))),
+        Part(name: "b", solid: Block(min: (0, -2, 3), max: (20, 2, 8))),
+    ])"#;
+    let (least, below, _) = shape("strips", "interfaces", strips);
+    assert!(least > 15.0 && below < 0.05, "{least} {below}");
+    let hole = r#"Scene(units: "mm", parts: [
+        Part(name: "b", solid: Rotate(axis: (1, 2, 3), angle: 37,
+            solid: Difference([Block(size: (20, 20, 10)), Cylinder(radius: 4, height: 20, base: (0, 0, -10))]))),
+    ])"#;
+    let (least, below, _) = shape("hole", "full", hole);
+    assert!(least > 40.0 && below == 0.0, "{least} {below}");
+}
+
+/// The line along which a rod touches a wall is a loose segment of the wall's polygon; with vertices of the rod on it, too.
+#[test]
+fn a_wall_that_touches_a_rod_stays_whole() {
+    let scene = r#"Scene(units: "mm", parts: [
+        Part(name: "slab", solid: Block(min: (-20, -20, -10), max: (20, 0, 15))),
+        Part(name: "rod", solid: Cylinder(radius: 5, height: 15, base: (0, 5, 0))),
+    ])"#;
+    let (least, below, _) = shape("tangent", "full", scene);
+    assert!(least > 30.0 && below == 0.0, "{least} {below}");
+}
