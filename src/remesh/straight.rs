@@ -20,8 +20,8 @@ use std::collections::HashSet;
 const STRAIGHT_SINE: f64 = 1e-9;
 
 /// How far such corners are moved, as a fraction of the way to the nearer end of their line: far above TetGen's tolerance of
-/// 1e-8, far below what any deviation allows.
-pub(super) const TRACE: f64 = 1e-6;
+/// 1e-8, far below what any deviation allows. Of 40 askew complexes TetGen 1.5 died on 11 as they are; with 1e-6 on 19.
+pub(super) const TRACE: f64 = 1e-5;
 
 impl Workpiece {
     /// Moves nearly straight corners of polygons outwards, if all other facets there are remeshed triangles. From then on they
