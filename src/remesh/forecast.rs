@@ -17,7 +17,7 @@ const BYTES_PER_TRIANGLE: f64 = 1500.0;
 
 /// A warning if remeshing will make very many triangles. The number is that of equilateral triangles with the largest deviation
 /// (√3 / (6 r d) per area on a cylinder of radius r at deviation d) or the largest edge that the scene allows; the default
-/// deviation makes about as many as there are. Cost: linear.
+/// deviation makes about as many as there are. Cost: linear in the triangles of curved facets, a projection each.
 ///
 /// # Errors
 /// If they need more than `memory` bytes.

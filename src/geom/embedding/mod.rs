@@ -75,7 +75,8 @@ pub struct Violation {
 /// `triangles` holds indices into `points`, either orientation; coordinates are finite. Vertices are shared by number, not by
 /// position. A triangle without area is reported once and not paired. If there are more than `limit` violations, which of them
 /// are given depends on the arguments only, not on the number of threads. Cost: O(n log n + pairs whose boxes overlap), and of
-/// triangles around vertices that very many share O(n log² n + pairs that no plane is found between).
+/// triangles around vertices that very many share O(n log² n + pairs that no plane is found between), and pairs of edges of
+/// terrains' rims whose boxes overlap.
 pub fn violations(points: &[Vec3], triangles: &[[u32; 3]], limit: usize) -> Vec<Violation> {
     let projections: Vec<Option<Projection>> =
         triangles.par_iter().with_min_len(1024).map(|t| projection_of(t.map(|v| points[v as usize]))).collect();

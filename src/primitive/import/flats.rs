@@ -32,6 +32,10 @@ pub(super) fn join(surface: &Surface, sides: &Sides, flatness: f64) -> Option<Su
     is_joined.then(|| collect(surface, sets, flatness)).flatten()
 }
 
+/// Corners of a joined polygon at most: the evaluator looks at all pairs of some of a facet's corners, so that very large
+/// polygons cost more than their triangles (two cylinders of 8000 segments 2.7 times as much, of 32000 seven times).
+const MOST_CORNERS: usize = 1000;
+
 struct Plane {
     origin: Vec3,
     normal: Vec3,
@@ -65,7 +69,7 @@ fn collect(surface: &Surface, sets: UnionFind, flatness: f64) -> Option<Surface>
     Some(Surface { points: surface.points.clone(), polygons, group_of })
 }
 
-/// The one loop around polygons, if it is a simple polygon and has all their points.
+/// The one loop around polygons, if it is a simple polygon of few enough corners and has all their points.
 fn outline(surface: &Surface, own: &[u32], flatness: f64) -> Option<Vec<u32>> {
     let walks = || own.iter().map(|&k| surface.polygons.of(k));
     let sides = || walks().flat_map(|w| (0..w.len()).map(move |k| [w[k], w[(k + 1) % w.len()]]));
@@ -85,7 +89,7 @@ fn outline(surface: &Surface, own: &[u32], flatness: f64) -> Option<Vec<u32>> {
         walk.push(at);
         at = onward;
     }
-    let is_whole = at == start && walk.len() == points.len();
+    let is_whole = at == start && walk.len() == points.len() && walk.len() <= MOST_CORNERS;
     let is_simple = || triangulate(&[&walk], &[], &[], &surface.points).is_ok_and(|t| t.len() + 2 == walk.len());
     let is_flat = || is_planar(&[&walk], &surface.points, flatness);
     // Walked around inside out, it would turn over.
