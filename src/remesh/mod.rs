@@ -8,7 +8,8 @@
 //! 2. What is remeshed (`bands`): all curved facets, or those near curves that an intersection made; strips are cut across
 //!    there. These facets are divided into triangles (`Brep::divide_facet`).
 //! 3. Feature edges (`features`) are chained between corners; every chain gets its true curve, every vertex its place: corner,
-//!    on a curve, on a surface. A vertex of an intersection is projected on all surfaces at once.
+//!    on a curve, on a surface. A vertex of an intersection is projected on all surfaces at once. Facets between curves that
+//!    coincide on the true surfaces stay as evaluated (`pinches`).
 //! 4. Sizes (`sizing`): the edge length whose chord has the allowed deviation, limited by parts and thin gaps, graded.
 //! 5. Rounds (`schedule`): collapse chords of curves that are too short; split what is too long, longest first and rulings
 //!    before what crosses them, with swaps around each new vertex; collapse what is too short, shortest first; bring vertices
@@ -22,7 +23,8 @@
 //! 10. Planar facets get new triangulations, and an exact test proves that nothing meets anything (`verify`). Surfaces at fault
 //!     are remeshed again with half the deviation, then without their facets there, as where needles are left; if nothing
 //!     helps, the complex stays as evaluated.
-//!     Polygons of which TetGen would die are cut (`straight`).
+//!     Polygons get no corners that are straight but for rounding, of which TetGen would die: these are moved out by a trace,
+//!     or the polygon is cut (`straight`).
 //!
 //! Every operation (`operators`) is a short sequence of Euler operators of the kernel (`brep::local`), planned and judged
 //! before it is applied: nothing flips against the support, no deviation grows past the bound, planar facets beside stay simple
