@@ -5,6 +5,7 @@ use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
 use crate::geom::polygon::vector_area;
 use crate::geom::predicates::{Projection, orient2d};
+use crate::geom::segment::nearest_on;
 
 /// An active facet.
 pub(super) struct Outline {
@@ -138,9 +139,7 @@ impl Outline {
 
 /// Whether a place is within `tolerance` of a segment that is longer than that.
 fn is_within([a, b]: &[Vec3; 2], x: &Vec3, tolerance: f64) -> bool {
-    let d = b - a;
-    let s = ((x - a).dot(&d) / d.norm_squared()).clamp(0.0, 1.0);
-    (x - (a + d * s)).norm_squared() <= tolerance * tolerance
+    (x - nearest_on(x, [a, b])).norm_squared() <= tolerance * tolerance
 }
 
 /// Whether a segment passes a place within `tolerance`, so that it may go through it in two shorter pieces.

@@ -9,6 +9,7 @@ pub mod lists;
 pub mod polygon;
 pub mod predicates;
 pub mod radial;
+pub mod segment;
 pub mod union_find;
 
 /// A position or direction, in the scene's unit.

@@ -5,6 +5,7 @@
 
 use super::support::{Foot, Nearest, Support};
 use crate::geom::Vec3;
+use crate::geom::segment::nearest_on;
 use nalgebra::Matrix3;
 use std::sync::Arc;
 
@@ -272,8 +273,7 @@ fn polyline_foot(chain: &[Vec3], point: &Vec3) -> Option<CurveFoot> {
         if square == 0.0 {
             continue;
         }
-        let t = ((point - w[0]).dot(&d) / square).clamp(0.0, 1.0);
-        let foot = w[0] + d * t;
+        let foot = nearest_on(point, [&w[0], &w[1]]);
         let distance = (foot - point).norm_squared();
         if best.is_none_or(|b| distance < b.0) {
             best = Some((distance, CurveFoot { point: foot, tangent: d / square.sqrt(), curvature: 0.0 }));

@@ -15,6 +15,7 @@ use super::workpiece::sorted;
 use crate::brep::complex::{Complex, ComplexFacet, ComplexVertex};
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
+use crate::geom::segment::distance_to;
 use crate::ids::{FacetId, Id, IdVec, SurfaceId, VertexId};
 use crate::patch::support::Support;
 use crate::primitive::solid::Freedom;
@@ -89,11 +90,8 @@ impl Choice {
 
 /// Whether a point lies on the border of a facet.
 fn is_on_border(facet: &ComplexFacet, point: &Vec3, points: &[Vec3], reach: f64) -> bool {
-    edges_of(&facet.loops).map(|e| e.map(|v| points[v.index()])).any(|[a, b]| {
-        let d = b - a;
-        let t = (d.dot(&(point - a)) / d.norm_squared()).clamp(0.0, 1.0);
-        (a + d * t - point).norm() <= reach
-    })
+    let mut edges = edges_of(&facet.loops).map(|e| e.map(|v| &points[v.index()]));
+    edges.any(|edge| distance_to(point, edge) <= reach)
 }
 
 /// Facets that an intersection cut, and triangles that share a corner with one.

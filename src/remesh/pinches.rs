@@ -13,6 +13,7 @@ use crate::brep::store::EdgeId;
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
 use crate::geom::bvh::Bvh;
+use crate::geom::segment::share_nearest;
 use crate::ids::VertexId;
 
 /// Distance of a vertex from a feature edge on the true curves, over that on the facets, below which they are pinched. Curves
@@ -81,8 +82,6 @@ impl Workpiece {
 
 /// Distance from a segment, and whether the nearest point is inside of it.
 fn distance(point: &Vec3, [a, b]: &[Vec3; 2]) -> (f64, bool) {
-    let along = b - a;
-    let square = along.norm_squared();
-    let t = if square > 0.0 { along.dot(&(point - a)) / square } else { 0.0 };
-    ((a + along * t.clamp(0.0, 1.0) - point).norm(), t > 0.0 && t < 1.0)
+    let share = share_nearest(point, [a, b]);
+    ((a + (b - a) * share - point).norm(), share > 0.0 && share < 1.0)
 }

@@ -2,6 +2,7 @@
 
 use crate::geom::Vec3;
 use crate::geom::lists::Lists;
+use crate::geom::segment::distance_to;
 
 /// Neighbours of every point along the rims of all facets, ascending.
 struct Rims {
@@ -48,7 +49,7 @@ pub fn dissolve(facets: &mut [Vec<Vec<u32>>], places: &[Vec3], tolerance: f64) {
     let mut is_seen = vec![false; places.len()];
     // A point stays if the chain bends there; bends are the natural starts.
     let bends = |p: u32| match rims.of(p) {
-        &[a, b] => distance_to_segment(&places[p as usize], &places[a as usize], &places[b as usize]) > tolerance,
+        &[a, b] => distance_to(&places[p as usize], [&places[a as usize], &places[b as usize]]) > tolerance,
         _ => true,
     };
     let is_start: Vec<bool> =
@@ -97,7 +98,7 @@ fn straighten(chain: &[u32], places: &[Vec3], tolerance: f64, is_gone: &mut [boo
     let at = |k: usize| &places[chain[k] as usize];
     let mut anchor = 0;
     for k in 1..chain.len() - 1 {
-        let is_straight = (anchor + 1..=k).all(|i| distance_to_segment(at(i), at(anchor), at(k + 1)) <= tolerance);
+        let is_straight = (anchor + 1..=k).all(|i| distance_to(at(i), [at(anchor), at(k + 1)]) <= tolerance);
         // A closed chain must not shrink to an edge walked twice.
         if is_straight && chain[anchor] != chain[k + 1] {
             is_gone[chain[k] as usize] = true;
@@ -105,16 +106,6 @@ fn straighten(chain: &[u32], places: &[Vec3], tolerance: f64, is_gone: &mut [boo
             anchor = k;
         }
     }
-}
-
-fn distance_to_segment(p: &Vec3, a: &Vec3, b: &Vec3) -> f64 {
-    let (d, w) = (b - a, p - a);
-    let length = d.norm_squared();
-    if length == 0.0 {
-        return w.norm();
-    }
-    let t = (w.dot(&d) / length).clamp(0.0, 1.0);
-    (w - d * t).norm()
 }
 
 #[cfg(test)]
