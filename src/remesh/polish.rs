@@ -9,7 +9,7 @@ use crate::geom::Vec3;
 use crate::ids::{FacetId, VertexId};
 
 /// Angle in degrees that polishing aims at.
-const GOAL: f64 = 43.0;
+const GOAL: f64 = 41.0;
 
 /// Repairs of one triangle at most, on average, in one polish.
 const MENDS_PER_FACET: usize = 8;
