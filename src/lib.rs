@@ -33,6 +33,7 @@ pub mod io;
 pub mod patch;
 pub mod pipeline;
 pub mod plc;
+pub mod position;
 pub mod primitive;
 pub mod remesh;
 pub mod report;

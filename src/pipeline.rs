@@ -7,6 +7,7 @@ use crate::evaluate;
 use crate::io::manifest::Manifest;
 use crate::plc::measure::{self, Measures};
 use crate::plc::{self, Plc};
+use crate::position::position;
 use crate::primitive;
 use crate::remesh::{self, forecast};
 use crate::report::timing::Timings;
@@ -70,6 +71,7 @@ fn build(scene: Scene, mut warnings: Vec<Diagnostic>, mut timings: Timings) -> O
         warnings.push(warning);
     }
     let complex = timings.measure("remesh", || remesh::remesh(evaluation.complex, &scene.remesh, &scene.parts))?;
+    let complex = timings.measure("position", || position(complex, scene.tolerance));
     let plc = timings.measure("plc", || plc::build::build(&complex, &scene.parts))?;
     let measures = timings.measure("measure", || measure::measure(&complex));
     let manifest = Manifest::new(&scene, &complex, &measures, &plc);

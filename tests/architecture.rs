@@ -11,8 +11,8 @@ use support::root;
 const BASE: [&str; 3] = ["ids", "geom", "diag"];
 
 /// The stages in the order of the flow; each may use those before it.
-const STAGES: [&str; 10] =
-    ["scene", "primitive", "cull", "contact", "arrangement", "classify", "patch", "select", "round", "remesh"];
+const STAGES: [&str; 11] =
+    ["scene", "primitive", "cull", "contact", "arrangement", "classify", "patch", "select", "round", "remesh", "position"];
 
 /// The B-rep serves the stages from `primitive` on and knows only the degrees of freedom and surfaces of solids.
 const BREP: (&str, &[&str]) = ("brep", &["primitive"]);
@@ -23,7 +23,7 @@ const WITHOUT_BREP: [&str; 6] = ["scene", "primitive", "cull", "contact", "arran
 const OTHERS: [(&str, &[&str]); 8] = [
     // Table of contents of the evaluator and of the whole.
     ("evaluate", &["scene", "primitive", "cull", "contact", "arrangement", "classify", "patch", "select", "round", "brep"]),
-    ("pipeline", &["scene", "primitive", "arrangement", "round", "evaluate", "remesh", "patch", "brep", "plc", "io", "report"]),
+    ("pipeline", &["scene", "primitive", "arrangement", "round", "evaluate", "remesh", "position", "patch", "brep", "plc", "io", "report"]),
     // The check of a complex names what it finds by the manifest, which is a file format.
     ("plc", &["scene", "primitive", "brep", "io"]),
     ("io", &["scene", "brep", "plc"]),

@@ -122,7 +122,7 @@ pub fn remesh(complex: Complex, options: &RemeshOptions, parts: &IdVec<PartId, P
         let is_last = !retreat.give_up(&faults, &complex, &supports) || left == 0;
         if is_last && faults.iter().all(|f| !f.is_contact) {
             let mut done = work.brep.to_complex();
-            straight::cut_unsound(&mut done);
+            straight::cut_unsound(&mut done, &evaluated);
             creases::restore(&mut done, &original, count);
             return Ok(done);
         }

@@ -59,7 +59,8 @@ impl Workpiece {
 
 /// Divides polygons that are no longer planar, strips beside curves that moved to the true surface, into their triangles, which
 /// are planar always, and cuts those with nearly straight corners.
-pub(super) fn cut_unsound(complex: &mut Complex) {
+pub(super) fn cut_unsound(complex: &mut Complex, evaluated: &Complex) {
+    let known: HashSet<[u64; 3]> = evaluated.vertices.iter().map(|v| bits(&v.point)).collect();
     let points: Vec<Vec3> = complex.vertices.iter().map(|v| v.point).collect();
     let extent = Aabb::around(&points).diagonal();
     let flatness = PLANAR_ULPS * f64::EPSILON * points.iter().fold(extent, |m, p| m.max(p.amax()));
@@ -70,7 +71,7 @@ pub(super) fn cut_unsound(complex: &mut Complex) {
         if facet.triangles.len() == 1 {
             facets.push(facet);
         } else if is_planar(&walks, &points, flatness) {
-            let corners: Vec<VertexId> = straight_corners(&facet.loops, &points).into_iter().map(|way| way[1]).collect();
+            let corners: Vec<VertexId> = straight_corners(&facet.loops, &points).into_iter().map(|way| way[1]).filter(|v| !known.contains(&bits(&points[v.index()]))).collect();
             if corners.is_empty() {
                 facets.push(facet);
             } else {
@@ -81,6 +82,10 @@ pub(super) fn cut_unsound(complex: &mut Complex) {
         }
     }
     complex.facets = facets.into_iter().collect::<IdVec<_, _>>();
+}
+
+fn bits(p: &Vec3) -> [u64; 3] {
+    [p.x, p.y, p.z].map(f64::to_bits)
 }
 
 /// A facet for each of a facet's triangles.
