@@ -6,6 +6,7 @@ pub mod dd;
 pub mod embedding;
 pub mod hash;
 pub mod lists;
+pub mod plane;
 pub mod polygon;
 pub mod predicates;
 pub mod radial;

@@ -204,7 +204,7 @@ fn read_part<'a>(solids: &mut SolidReader<'_, 'a>, raw: Raw<'a>, scene: Settings
     let owner = Owner { kind: "Part", raw };
     let reader = &mut *solids.reader;
     let node: ast::Part = reader.read(raw)?;
-    let name = reader.need(owner, "name", node.name).and_then(|raw| reader.name("name of a part", raw));
+    let name = reader.need(owner, "name", node.name).and_then(|raw| reader.name_of_interfaces("name of a part", raw));
     let material = reader.maybe(node.material, |r, raw| r.name("name of a material", raw));
     let max_edge = reader.maybe(node.max_edge, |r, raw| r.size("max_edge", raw));
     let max_volume = reader.maybe(node.max_volume, |r, raw| r.positive("max_volume", raw, Kind::Length(3)));
@@ -251,7 +251,7 @@ fn read_boundary<'a>(reader: &mut Reader<'a>, raw: Raw<'a>) -> Option<Named<'a>>
         ast::Boundary::Side(node) => ("Side", node.name, Some((node.of, node.side))),
     };
     let owner = Owner { kind, raw };
-    let name = reader.need(owner, "name", name).and_then(|raw| reader.name("name of a boundary", raw));
+    let name = reader.need(owner, "name", name).and_then(|raw| reader.name_of_interfaces("name of a boundary", raw));
     let side = match side {
         None => Some(None),
         Some((of, side)) => {
