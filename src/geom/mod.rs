@@ -2,6 +2,7 @@
 
 pub mod aabb;
 pub mod bvh;
+pub mod cast;
 pub mod dd;
 pub mod embedding;
 pub mod hash;
