@@ -8,8 +8,8 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
-/// What must still fit into a folder where a program failed: else it failed for lack of room.
-const ROOM: [u8; 1 << 16] = [0; 1 << 16];
+/// Bytes that must still fit into a folder where a program failed: else it failed for lack of room.
+const ROOM: usize = 1 << 16;
 
 /// The fault of temporary files that cannot be written.
 pub fn no_room(error: &io::Error) -> Diagnostic {
@@ -46,7 +46,7 @@ impl Folder {
     /// # Errors
     /// `cannot-write`, if there is no room.
     pub fn check_room(&self) -> Result<(), Diagnostic> {
-        fs::write(self.0.join("room"), ROOM).map_err(|e| no_room(&e))
+        fs::write(self.0.join("room"), vec![0; ROOM]).map_err(|e| no_room(&e))
     }
 
     /// Where it is.
