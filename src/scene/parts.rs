@@ -158,7 +158,7 @@ impl<'l> Parts<'l> {
         }
         let of_part = &self.planter.named;
         let mut leaves: Vec<LeafId> = match of {
-            Some(of) => of_part.iter().filter(|(name, _)| name == of).map(|(_, leaf)| *leaf).collect(),
+            Some(of) => of_part.get(of).cloned().unwrap_or_default(),
             None => self.parts.iter().last().map_or(Vec::new(), |part| leaves_of(&part.solid)),
         };
         leaves.sort_unstable();
@@ -166,10 +166,7 @@ impl<'l> Parts<'l> {
         if leaves.is_empty() {
             let of = of.unwrap_or("");
             let fault = Diagnostic::error("unknown-solid", format!("the part has no solid named `{of}`")).at(reader.span(at));
-            let mut names: Vec<&str> = of_part.iter().map(|(name, _)| name.as_str()).collect();
-            names.sort_unstable();
-            names.dedup();
-            reader.fault(super::fault::with_names(fault, of, names));
+            reader.fault(super::fault::with_names(fault, of, of_part.keys().map(String::as_str)));
             return None;
         }
         let Some(written) = side else {
