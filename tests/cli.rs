@@ -245,3 +245,33 @@ fn nothing_is_written_over_the_file_that_is_read_or_under_a_name_of_another_form
     assert_eq!(fs::read_to_string(folder.join("good.ron")).unwrap(), GOOD);
     assert_eq!(fs::read_to_string(folder.join("t.off")).unwrap(), tetra);
 }
+
+#[test]
+fn files_as_windows_writes_them_are_read() {
+    let folder = folder("cli-windows");
+    let windows = |text: &str| format!("\u{feff}{}", text.replace('\n', "\r\n"));
+    fs::write(folder.join("good.ron"), windows(&format!("// A comment\n{GOOD}\n"))).unwrap();
+    assert_eq!(gsm(["build", "good.ron", "-o", "BOX.POLY"], &folder).status.code(), Some(0));
+    let complex = fs::read_to_string(folder.join("BOX.POLY")).unwrap();
+    fs::write(folder.join("BOX.POLY"), windows(&complex)).unwrap();
+    let run = gsm(["check", "BOX.POLY"], &folder);
+    assert_eq!(run.status.code(), Some(0), "{}", String::from_utf8_lossy(&run.stderr));
+    // Its manifest is found, too.
+    fs::write(folder.join("BOX.gsm.json"), "{}").unwrap();
+    assert_eq!(gsm(["check", "BOX.POLY"], &folder).status.code(), Some(1));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_folder_for_temporary_files_that_cannot_be_written_is_named() {
+    let folder = folder("cli-temporary");
+    fs::write(folder.join("good.ron"), GOOD).unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_gsm"));
+    // A program that is there: it is not started.
+    command.args(["mesh", "good.ron", "--tetgen", "/bin/sh"]).env("TMPDIR", folder.join("missing")).current_dir(&folder);
+    let run = command.output().unwrap();
+    let said = String::from_utf8(run.stderr).unwrap();
+    assert!(said.contains("cannot-write") && said.contains("missing") && said.contains("TMPDIR"), "{said}");
+    assert_eq!(run.status.code(), Some(4));
+    assert_eq!(files(&folder), ["good.ron"]);
+}

@@ -98,6 +98,29 @@ fn boundaries_that_lose_their_facets_are_told() {
 }
 
 #[test]
+fn each_of_many_named_sides_is_found() {
+    // A thousand cubes, each with a name for its top: all get their facet, none that of another one.
+    let cube = |k: u32| format!("Block(name: \"b{k}\", size: (1, 1, 1), at: ({}, {}, 0))", 2 * (k % 40), 2 * (k / 40));
+    let side = |k: u32| format!("Side(name: \"t{k}\", of: \"b{k}\", side: \"top\")");
+    let list = |one: &dyn Fn(u32) -> String| (0..1000).map(one).collect::<Vec<_>>().join(", ");
+    let text = format!(
+        "Scene(units: \"mm\", parts: [Part(name: \"p\", solid: Union([{}]), boundaries: [{}])])",
+        list(&cube),
+        list(&side)
+    );
+    assert_eq!(warnings("boundary_many.ron", &text), [""; 0]);
+    // Two parts of one and the same solid, a body and what is left around it: the part that is listed first names their contact.
+    let shared = r#"Scene(units: "mm", parts: [
+        Part(name: "body", solid: Block(name: "box", size: (2, 2, 2), center: (0, 0, 0)), boundaries: [Side(name: "own", of: "box")]),
+        Part(name: "mould", solid: Difference([Block(size: (4, 4, 4), center: (0, 0, 0)),
+             Block(name: "box", size: (2, 2, 2), center: (0, 0, 0))]),
+             boundaries: [Side(name: "cap", of: "box", side: "top"), Outer(name: "wall"), Side(name: "rim", of: "box")])])"#;
+    let found = warnings("boundary_shared.ron", shared);
+    assert!(found.len() == 2 && found[0].contains("`cap`") && found[1].contains("`rim`"), "{found:?}");
+    assert!(found.iter().all(|w| w.starts_with("taken-boundary") && w.contains("`own`")), "{found:?}");
+}
+
+#[test]
 fn interfaces_that_are_none_are_told() {
     let text = r#"Scene(units: "mm", interfaces: {
         "air|a": (max_edge: 1), "a|b": (max_edge: 1), "b|outer": (max_edge: 1)}, parts: [

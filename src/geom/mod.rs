@@ -2,10 +2,12 @@
 
 pub mod aabb;
 pub mod bvh;
+pub mod cast;
 pub mod dd;
 pub mod embedding;
 pub mod hash;
 pub mod lists;
+pub mod plane;
 pub mod polygon;
 pub mod predicates;
 pub mod radial;

@@ -4,7 +4,6 @@
 //! `volumes` finds the volumes that facets enclose from nothing but the facets, which is how `check` judges any .poly.
 
 pub mod build;
-pub mod cast;
 pub mod check;
 pub mod facet;
 pub mod measure;

@@ -4,10 +4,10 @@
 //! is the middle of the wall, in a ring it cannot be the empty centre. Of a few such points the one with the longest way is
 //! taken, and exact ray parity against the region's own facets proves that it is inside.
 
-use super::cast::Caster;
 use crate::brep::complex::Complex;
 use crate::diag::Diagnostic;
 use crate::geom::Vec3;
+use crate::geom::cast::Caster;
 use crate::ids::{Id, IdVec, RegionId};
 
 /// Facet triangles tried per region before the best point is taken. The largest ones lie in the widest places; more of them

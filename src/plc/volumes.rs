@@ -4,9 +4,9 @@
 //! volume; the order around the edge comes from exact signs. Sides joined over edges are shells. A shell that encloses what is
 //! inside it is an outer one; the others are joined to their volume along a line to the outside.
 
-use super::cast::{CastError, Caster};
 use super::measure::enclosed_volumes;
 use crate::geom::Vec3;
+use crate::geom::cast::{CastError, Caster};
 use crate::geom::embedding::projection_of;
 use crate::geom::predicates::{orient2d, orient3d};
 use crate::geom::union_find::UnionFind;

@@ -2,11 +2,12 @@
 
 use super::circle::{Circle, CircleRequest};
 use super::division;
-use super::outline::{Rule, distance, range_of};
+use super::outline::{Rule, range_of};
 use super::place::Place;
 use super::profile;
 use super::sweep::{Piece, Station, Sweep};
 use crate::diag::Diagnostic;
+use crate::geom::plane::distance;
 use crate::scene::model::{Frame, Leaf, Path2, Profile};
 use std::collections::BTreeMap;
 

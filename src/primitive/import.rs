@@ -1,11 +1,14 @@
 //! Imported surfaces: what a file gives becomes a closed, oriented [`Solid`], or an error that says where it is not.
 //!
-//! Steps: points of equal coordinates become one (for STL, where that leaves edges open, points within its tolerance); polygons
-//! that collapse vanish; polygons that are not planar or not simple become triangles; every directed edge must be matched; a
-//! surface that is all inside out is turned; pieces of one plane become one polygon ([`flats`]). Edges with several matched
-//! uses (two cubes that touch) are allowed.
+//! Steps: points of equal coordinates become one, those within its tolerance too (of STL by default), unless that opened a
+//! closed surface; polygons that collapse vanish, those without area become a part of a neighbour ([`flat`]); polygons that are
+//! not planar or not simple become triangles; every directed edge must be matched; shells that are inside out are turned
+//! ([`nesting`]); pieces of one plane become one polygon ([`flats`]). Edges with several matched uses (two cubes that touch) are
+//! allowed.
 
+mod flat;
 mod flats;
+mod nesting;
 mod sides;
 
 use super::division::MAX_FACETS;
@@ -36,6 +39,9 @@ const SMALLEST: f64 = 1e-30;
 /// Places listed in a message.
 const LISTED: usize = 5;
 
+/// Cell of the grid that finds points within reach, in reaches: most points lie further from the border of their cell.
+const CELL: f64 = 8.0;
+
 /// Polygons over welded points, with their groups.
 struct Surface {
     points: Vec<Vec3>,
@@ -46,7 +52,8 @@ struct Surface {
 /// Reads and checks the surface of a leaf.
 ///
 /// # Errors
-/// `malformed-file` and its like from reading; `open-surface`; `flat-facet`; `no-volume`; `no-facets`; `too-many-facets`.
+/// `malformed-file` and its like from reading; `open-surface`; `flat-facet`; `self-intersection`; `nested-shells`; `no-volume`;
+/// `no-facets`; `too-many-facets`; `out-of-range`.
 pub(crate) fn import(leaf: &Leaf, path: &Path, scale: f64) -> Result<Solid, Diagnostic> {
     let mesh = io::read_surface(path)?;
     let file = path.display().to_string();
@@ -77,50 +84,44 @@ pub(crate) fn import(leaf: &Leaf, path: &Path, scale: f64) -> Result<Solid, Diag
         _ => 0.0,
     });
     let mut surface = welded(&mesh, &points, 0.0);
-    if tolerance > 0.0 && Sides::new(&surface).edges().any(|e| sides::is_open(&e)) {
-        surface = welded(&mesh, &points, tolerance);
+    if tolerance > 0.0 {
+        let merged = welded(&mesh, &points, tolerance);
+        if merged.points.len() < surface.points.len() && (surface.is_open() || !merged.is_open()) {
+            surface = merged;
+        }
     }
     let groups = mesh.groups;
     // Their memory serves what follows.
     drop((mesh.points, mesh.polygons, mesh.group_of, points));
+    flat::absorb(&mut surface);
     split_bent(&mut surface, &file)?;
     let sides = Sides::new(&surface);
     check_closed(&surface, &sides, &file)?;
     if place.is_mirrored() {
         surface.turn();
     }
-    let volume = surface.volume();
-    if volume == 0.0 || !volume.is_finite() {
-        let fault = Diagnostic::error("no-volume", format!("{file}: the surface encloses no volume"));
-        return Err(fault.hint("it is flat, or its facets lie twice over each other: export the solid again"));
-    }
-    if volume < 0.0 {
-        surface.turn();
-    }
-    check_embedded(&surface, &file)?;
+    let triangles = surface.triangles();
+    let is_flat = surface.volume() == 0.0;
+    check_embedded(&surface, &triangles, &file).map_err(|fault| if is_flat { without_volume(&file) } else { fault })?;
+    nesting::orient(&mut surface, &triangles, &file)?;
     let freedoms = freedoms(&surface, &sides);
     // Other diagonals of facets that are planar to rounding only may meet what the first ones miss.
     if let Some(joined) = flats::join(&surface, &sides, surface.flatness())
-        && check_embedded(&joined, &file).is_ok()
+        && check_embedded(&joined, &joined.triangles(), &file).is_ok()
     {
         surface = joined;
     }
     Ok(finish(surface, &freedoms, groups))
 }
 
+fn without_volume(file: &str) -> Diagnostic {
+    Diagnostic::error("no-volume", format!("{file}: the surface encloses no volume"))
+        .hint("it is flat, or its facets lie twice over each other: export the solid again")
+}
+
 /// Refuses surfaces that cross or touch themselves outside shared vertices and edges.
-fn check_embedded(surface: &Surface, file: &str) -> Result<(), Diagnostic> {
-    let found = match surface.triangles() {
-        Some(triangles) => embedding::violations(&surface.points, triangles, LISTED),
-        None => {
-            let mut triangles = Vec::with_capacity(surface.polygons.items().len());
-            for walk in surface.polygons.iter() {
-                // Simple: checked by `split_bent`.
-                triangles.extend(triangulate(&[walk], &[], &[], &surface.points).unwrap_or_default());
-            }
-            embedding::violations(&surface.points, &triangles, LISTED)
-        }
-    };
+fn check_embedded(surface: &Surface, triangles: &[[u32; 3]], file: &str) -> Result<(), Diagnostic> {
+    let found = embedding::violations(&surface.points, triangles, LISTED);
     if found.is_empty() {
         return Ok(());
     }
@@ -134,11 +135,21 @@ impl Surface {
         (0..self.polygons.count() as u32).for_each(|k| self.polygons.of_mut(k).reverse());
     }
 
-    /// All polygons, if they are triangles.
-    fn triangles(&self) -> Option<&[[u32; 3]]> {
-        let (triangles, rest) = self.polygons.items().as_chunks();
-        // As many of three as there are polygons, which have three or more.
-        (rest.is_empty() && triangles.len() == self.polygons.count()).then_some(triangles)
+    fn is_open(&self) -> bool {
+        Sides::new(self).edges().any(|e| sides::is_open(&e))
+    }
+
+    /// The polygons as triangles.
+    fn triangles(&self) -> Vec<[u32; 3]> {
+        let mut triangles = Vec::with_capacity(self.polygons.items().len());
+        for walk in self.polygons.iter() {
+            match walk {
+                &[a, b, c] => triangles.push([a, b, c]),
+                // Simple: checked by `split_bent`.
+                _ => triangles.extend(triangulate(&[walk], &[], &[], &self.points).unwrap_or_default()),
+            }
+        }
+        triangles
     }
 
     fn volume(&self) -> f64 {
@@ -168,18 +179,15 @@ fn welded(mesh: &PolygonMesh, points: &[Vec3], tolerance: f64) -> Surface {
         let bits: [u64; 3] = std::array::from_fn(|i| (p[i] + 0.0).to_bits());
         number[k] = *exact.entry(bits).or_insert_with(|| {
             if reach > 0.0 {
-                let slot: [i64; 3] = std::array::from_fn(|i| (p[i] / reach).floor() as i64);
-                let around = (0..27i64).map(|n| [n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1]);
-                let found = around
-                    .filter_map(|d| near.get(&std::array::from_fn::<i64, 3, _>(|i| slot[i].saturating_add(d[i]))))
-                    .flatten()
-                    .copied()
-                    .filter(|&v| (kept[v as usize] - p).norm() <= reach)
-                    .min();
-                if let Some(v) = found {
+                let slot = |by: f64| -> [i64; 3] { std::array::from_fn(|i| ((p[i] + by) / (CELL * reach)).floor() as i64) };
+                let (lo, hi) = (slot(-reach), slot(reach));
+                let cells =
+                    (lo[0]..=hi[0]).flat_map(|x| (lo[1]..=hi[1]).flat_map(move |y| (lo[2]..=hi[2]).map(move |z| [x, y, z])));
+                let points = cells.filter_map(|cell| near.get(&cell)).flatten().copied();
+                if let Some(v) = points.filter(|&v| (kept[v as usize] - p).norm() <= reach).min() {
                     return v;
                 }
-                near.entry(slot).or_default().push(kept.len() as u32);
+                near.entry(slot(0.0)).or_default().push(kept.len() as u32);
             }
             kept.push(*p);
             kept.len() as u32 - 1

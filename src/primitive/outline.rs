@@ -4,6 +4,7 @@ use super::angle;
 use super::circle::Circle;
 use super::division::{self, check_count};
 use crate::diag::Diagnostic;
+use crate::geom::plane::distance;
 use crate::scene::model::{Arc2, Division, Path2};
 
 /// Directions that differ by less (sine of the angle) join smoothly: tangent points are written with rounded numbers.
@@ -93,11 +94,6 @@ pub(crate) fn range_of(arc: &Arc2, from: [f64; 2], to: [f64; 2]) -> (f64, f64) {
             sweep
         },
     )
-}
-
-/// Distance of two points.
-pub(crate) fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    libm::hypot(b[0] - a[0], b[1] - a[1])
 }
 
 /// Twice the signed area of a closed chain of points.

@@ -9,6 +9,7 @@ use super::rows::{Column, Columns, Row, Sizing, stitch};
 use super::solid::Freedom;
 use super::sweep::{Maker, Piece, Station, Turn};
 use crate::diag::Diagnostic;
+use crate::geom::plane::distance;
 use std::f64::consts::TAU;
 
 impl Turn {
@@ -70,7 +71,7 @@ impl Maker<'_> {
         let largest = (from..=to).map(radius).fold(0.0, f64::max);
         let [a, b] = [from, from + 1].map(|i| outline.vertices[i % n].xy);
         let segments = f64::from(sweep.circles[turn.circle].segments);
-        let sizing = Sizing { height: super::outline::distance(a, b), chord: TAU * largest / segments, radius: largest };
+        let sizing = Sizing { height: distance(a, b), chord: TAU * largest / segments, radius: largest };
         let is_ring = to - from == n && !outline.vertices[from % n].is_hard;
         let chords = |i: usize| {
             let rows = (i - from).min(to - i) as f64;

@@ -8,6 +8,7 @@ use super::place::Place;
 use super::profile;
 use super::sweep::{Piece, Station, Sweep, Turn};
 use crate::diag::Diagnostic;
+use crate::geom::plane::distance;
 use crate::geom::{Affine, Vec3};
 use crate::scene::model::{Arc2, Frame, Leaf, Path2, Profile, Segment2};
 use std::collections::BTreeMap;
@@ -146,7 +147,7 @@ pub(crate) fn bounds(path: &Path2) -> ([f64; 2], [f64; 2]) {
         grow(segment.end);
         if let Some(arc) = &segment.arc {
             let (start, sweep) = super::outline::range_of(arc, from, segment.end);
-            let radius = super::outline::distance(arc.center, from);
+            let radius = distance(arc.center, from);
             for quarter in [0.0, 90.0, 180.0, 270.0] {
                 if angle::canonical(quarter - start) < sweep {
                     let (c, s) = angle::cos_sin(quarter);

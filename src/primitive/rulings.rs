@@ -10,6 +10,7 @@ use super::solid::Freedom;
 use super::sweep::{Maker, Piece, Station, Sweep, Turn};
 use crate::diag::Diagnostic;
 use crate::geom::Vec3;
+use crate::geom::plane::distance;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
@@ -69,7 +70,7 @@ impl Sweep {
         let z = (ends[0] - ends[1]).normalize() * if self.place.is_mirrored() { -1.0 } else { 1.0 };
         let axis = Axis { origin: ends[0], z, x: self.place.axes[2], y: self.place.axes[2].cross(&z) };
         let [a, b] = super::sweep::ends(outline, &Run { count: 1, ..run.clone() }).map(|v| v.xy);
-        let half_sine = (super::outline::distance(a, b) * 0.5 / arc.radius).min(1.0);
+        let half_sine = (distance(a, b) * 0.5 / arc.radius).min(1.0);
         (axis, None, ends, [arc.radius * self.place.axes[0].norm(); 2], PI / libm::asin(half_sine))
     }
 

@@ -1,10 +1,12 @@
 //! Arcs as they are written: by centre, by a third point, by radius or by angle.
 
 use super::ast;
-use super::curves::{arc, distance};
+use super::curves::arc;
 use super::model::Segment2;
 use super::motion::sin_cos;
 use super::reader::{MIN_SIZE, Owner, Reader};
+use crate::diag::short;
+use crate::geom::plane::distance;
 
 /// How far the ends of an arc may differ in their distance from its centre, relative to it: what typed decimals leave.
 const ARC_AGREEMENT: f64 = 1e-6;
@@ -56,8 +58,8 @@ fn by_point(from: [f64; 2], to: [f64; 2], via: [f64; 2]) -> Made {
 fn by_radius(from: [f64; 2], to: [f64; 2], radius: f64, is_ccw: bool, is_large: bool) -> Made {
     let half = 0.5 * distance(from, to);
     if half < MIN_SIZE || half > radius {
-        let hint = "the radius is half of the distance of its ends at least, and not 0";
-        return Err([format!("an arc of radius {radius} cannot span {}", 2.0 * half), hint.into()]);
+        let hint = format!("the radius is half of the distance of its ends at least, {}, and not 0", short(half));
+        return Err([format!("an arc of radius {radius} cannot span {}", short(2.0 * half)), hint]);
     }
     let height = libm::sqrt((radius - half) * (radius + half));
     // A small counter-clockwise arc has its centre to the left of its chord.

@@ -6,6 +6,7 @@ use super::motion::sin_cos;
 use super::primitives::MAX_SIDES;
 use super::reader::{MIN_SIZE, Owner, Reader};
 use super::source::{Field, Raw};
+use crate::geom::plane::distance;
 
 /// Distance, relative to a path's extent, below which its end counts as its start.
 const CLOSED: f64 = 1e-12;
@@ -16,10 +17,6 @@ fn line(end: [f64; 2]) -> Segment2 {
 
 pub(super) fn arc(end: [f64; 2], center: [f64; 2], is_ccw: bool) -> Segment2 {
     Segment2 { end, arc: Some(Arc2 { center, is_ccw }), name: None }
-}
-
-pub(super) fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    libm::hypot(b[0] - a[0], b[1] - a[1])
 }
 
 /// A full circle that begins at `start` degrees.

@@ -10,7 +10,7 @@ use super::tree::{LocalLeaf, Tree};
 use crate::diag::{Diagnostic, Span};
 use crate::geom::{Affine, Vec3};
 use crate::ids::{IdVec, LeafId};
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// Memory of one facet of a leaf through all stages, in bytes: vertices, edges, uses and labels, a few copies of each.
 const BYTES_PER_FACET: f64 = 600.0;
@@ -42,7 +42,8 @@ pub(super) struct Planter<'l> {
     motions: Vec<Motion>,
     /// Names of the solids around, and those that every leaf of the part got.
     names: Vec<String>,
-    pub named: Vec<(String, LeafId)>,
+    /// The leaves of the last part by the names of the solids that they are in.
+    pub named: BTreeMap<String, Vec<LeafId>>,
 }
 
 impl<'l> Planter<'l> {
@@ -58,7 +59,7 @@ impl<'l> Planter<'l> {
             nodes: 0,
             motions,
             names: Vec::new(),
-            named: Vec::new(),
+            named: BTreeMap::new(),
         }
     }
 
@@ -147,9 +148,7 @@ impl<'l> Planter<'l> {
         };
         let id = self.intern(leaf)?;
         for name in self.names.iter().chain(&local.name) {
-            if self.named.last().is_none_or(|(n, l)| (n, *l) != (name, id)) {
-                self.named.push((name.clone(), id));
-            }
+            self.named.entry(name.clone()).or_default().push(id);
         }
         Ok(id)
     }

@@ -2,6 +2,7 @@
 
 use super::model::{Division, Leaf, Path2, Primitive, Profile};
 use super::polyline::{arc_angles, walk};
+use crate::geom::plane::distance;
 use std::f64::consts::{PI, TAU};
 
 /// Facets of the leaf once it is divided, within a small factor.
@@ -66,7 +67,7 @@ fn path_chords(path: &Path2, circle: &impl Fn(f64) -> f64) -> (f64, f64) {
     walk(path).fold((0.0, 0.0), |(count, largest), (from, segment)| match &segment.arc {
         None => (count + 1.0, largest),
         Some(arc) => {
-            let radius = libm::hypot(from[0] - arc.center[0], from[1] - arc.center[1]);
+            let radius = distance(arc.center, from);
             let sweep = arc_angles(from, segment.end, arc).1.abs();
             (count + (circle(radius) * sweep / TAU).max(1.0), f64::max(largest, radius))
         }

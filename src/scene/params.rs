@@ -16,6 +16,8 @@ const MAX_CHAIN: usize = 200;
 #[derive(Default)]
 pub(super) struct Params<'a> {
     entries: BTreeMap<String, Param<'a>>,
+    /// Their names in the order of the file, in which chains of any length that refer to earlier ones need no depth.
+    order: Vec<String>,
     /// Whether some could not be read, so that a name that is not known may be one of them.
     is_incomplete: bool,
     /// Parameters being evaluated, outermost first.
@@ -69,6 +71,8 @@ impl<'a> Reader<'a> {
             {
                 let message = format!("the parameter `{name}` is given twice");
                 self.fail::<()>(key, "duplicate-name", message, "take out one of them");
+            } else {
+                self.params.order.push(name);
             }
         }
         for (name, value) in overrides {
@@ -84,8 +88,7 @@ impl<'a> Reader<'a> {
                 }
             }
         }
-        let names: Vec<String> = self.params.entries.keys().cloned().collect();
-        for name in names {
+        for name in std::mem::take(&mut self.params.order) {
             if let Err(Some(fault)) = self.param(&name) {
                 self.fault(fault);
             }
@@ -105,6 +108,7 @@ impl<'a> Reader<'a> {
         }
         let text = param.text.clone();
         if self.params.chain.len() == MAX_CHAIN {
+            param.state = State::Faulty;
             let fault = Diagnostic::error("too-deep", format!("more than {MAX_CHAIN} parameters refer to each other"));
             return Err(Some(fault.hint("shorten the chain: write numbers, or refer to earlier ones")));
         }

@@ -158,7 +158,7 @@ impl<'l> Parts<'l> {
         }
         let of_part = &self.planter.named;
         let mut leaves: Vec<LeafId> = match of {
-            Some(of) => of_part.iter().filter(|(name, _)| name == of).map(|(_, leaf)| *leaf).collect(),
+            Some(of) => of_part.get(of).cloned().unwrap_or_default(),
             None => self.parts.iter().last().map_or(Vec::new(), |part| leaves_of(&part.solid)),
         };
         leaves.sort_unstable();
@@ -166,10 +166,7 @@ impl<'l> Parts<'l> {
         if leaves.is_empty() {
             let of = of.unwrap_or("");
             let fault = Diagnostic::error("unknown-solid", format!("the part has no solid named `{of}`")).at(reader.span(at));
-            let mut names: Vec<&str> = of_part.iter().map(|(name, _)| name.as_str()).collect();
-            names.sort_unstable();
-            names.dedup();
-            reader.fault(super::fault::with_names(fault, of, names));
+            reader.fault(super::fault::with_names(fault, of, of_part.keys().map(String::as_str)));
             return None;
         }
         let Some(written) = side else {
@@ -204,7 +201,7 @@ fn read_part<'a>(solids: &mut SolidReader<'_, 'a>, raw: Raw<'a>, scene: Settings
     let owner = Owner { kind: "Part", raw };
     let reader = &mut *solids.reader;
     let node: ast::Part = reader.read(raw)?;
-    let name = reader.need(owner, "name", node.name).and_then(|raw| reader.name("name of a part", raw));
+    let name = reader.need(owner, "name", node.name).and_then(|raw| reader.name_of_interfaces("name of a part", raw));
     let material = reader.maybe(node.material, |r, raw| r.name("name of a material", raw));
     let max_edge = reader.maybe(node.max_edge, |r, raw| r.size("max_edge", raw));
     let max_volume = reader.maybe(node.max_volume, |r, raw| r.positive("max_volume", raw, Kind::Length(3)));
@@ -251,7 +248,7 @@ fn read_boundary<'a>(reader: &mut Reader<'a>, raw: Raw<'a>) -> Option<Named<'a>>
         ast::Boundary::Side(node) => ("Side", node.name, Some((node.of, node.side))),
     };
     let owner = Owner { kind, raw };
-    let name = reader.need(owner, "name", name).and_then(|raw| reader.name("name of a boundary", raw));
+    let name = reader.need(owner, "name", name).and_then(|raw| reader.name_of_interfaces("name of a boundary", raw));
     let side = match side {
         None => Some(None),
         Some((of, side)) => {

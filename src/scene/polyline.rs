@@ -5,6 +5,7 @@ use super::model::{Arc2, Path2, Profile, Segment2};
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
 use crate::geom::bvh::Bvh;
+use crate::geom::plane::distance;
 use crate::geom::predicates::orient2d;
 use std::f64::consts::{PI, TAU};
 
@@ -55,7 +56,7 @@ fn points(path: &Path2) -> Vec<Point> {
     for (from, segment) in walk(path) {
         if let Some(arc) = &segment.arc {
             let (first, sweep) = arc_angles(from, segment.end, arc);
-            let radius = length(minus(from, arc.center));
+            let radius = distance(from, arc.center);
             let chords = libm::ceil(sweep.abs() / CHORD).max(2.0) as usize;
             points.extend((1..chords).map(|k| {
                 let (s, c) = libm::sincos(first + sweep * k as f64 / chords as f64);
@@ -77,7 +78,7 @@ pub(super) fn bounds(path: &Path2) -> [Point; 2] {
         all.push(segment.end);
         let Some(arc) = &segment.arc else { continue };
         let (first, sweep) = arc_angles(from, segment.end, arc);
-        let radius = length(minus(from, arc.center));
+        let radius = distance(from, arc.center);
         for (k, [x, y]) in [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]].into_iter().enumerate() {
             // How far along the arc its extreme point lies.
             let along = libm::fmod((k as f64 * 0.5 * PI - first) * sweep.signum() + 2.0 * TAU, TAU);
@@ -194,9 +195,7 @@ fn misplaced_hole(lines: &[Polyline]) -> Option<(String, Point)> {
 /// Centre and radius, if the path is one full circle.
 pub(super) fn full_circle(path: &Path2) -> Option<(Point, f64)> {
     match path.segments.as_slice() {
-        [Segment2 { end, arc: Some(arc), .. }] if *end == path.start => {
-            Some((arc.center, length(minus(path.start, arc.center))))
-        }
+        [Segment2 { end, arc: Some(arc), .. }] if *end == path.start => Some((arc.center, distance(path.start, arc.center))),
         _ => None,
     }
 }
@@ -204,10 +203,10 @@ pub(super) fn full_circle(path: &Path2) -> Option<(Point, f64)> {
 fn circles_fault(circles: &[(Point, f64)]) -> Option<(String, Point)> {
     let (outer, holes) = circles.split_first()?;
     for (k, hole) in holes.iter().enumerate() {
-        if length(minus(hole.0, outer.0)) + hole.1 >= outer.1 {
+        if distance(hole.0, outer.0) + hole.1 >= outer.1 {
             return Some(("a hole touches the outer loop or lies outside of it".into(), hole.0));
         }
-        if holes[..k].iter().any(|other| length(minus(hole.0, other.0)) <= hole.1 + other.1) {
+        if holes[..k].iter().any(|other| distance(hole.0, other.0) <= hole.1 + other.1) {
             return Some(("two holes touch".into(), hole.0));
         }
     }
@@ -242,12 +241,14 @@ fn joints(path: &Path2) -> impl Iterator<Item = (usize, usize, Point, Point, Poi
     (0..count).map(move |k| (k, (k + 1) % n, path.segments[k].end, all[k][1], all[(k + 1) % n][0]))
 }
 
-/// Where an arc of a path meets its neighbour with a bend; there a mitre has no meaning.
-pub(super) fn tangent_fault(path: &Path2) -> Option<Point> {
+/// Where an arc of a path meets its neighbour with a bend, as a mitre has no meaning there, and whether it turns right back,
+/// as arcs do that run the wrong way round.
+pub(super) fn tangent_fault(path: &Path2) -> Option<(Point, bool)> {
     let is_arc = |k: usize| path.segments[k].arc.is_some();
-    joints(path)
-        .find(|&(k, m, _, d, e)| (is_arc(k) || is_arc(m)) && (cross(d, e).abs() > SMOOTH || dot(d, e) < 0.0))
-        .map(|(_, _, p, _, _)| p)
+    joints(path).filter(|&(k, m, ..)| is_arc(k) || is_arc(m)).find_map(|(_, _, p, d, e)| {
+        let (is_straight, is_back) = (cross(d, e).abs() <= SMOOTH, dot(d, e) < 0.0);
+        (is_back || !is_straight).then_some((p, is_back && is_straight))
+    })
 }
 
 /// Where a profile from x = `lo` to `hi` (to the right of the path) does not pass: on the inner side of an arc, between two
@@ -262,9 +263,9 @@ pub(super) fn is_swept_clear(path: &Path2, lo: f64, hi: f64) -> Option<Point> {
     }
     for ((from, segment), shift) in walk(path).zip(shift) {
         let is_good = match &segment.arc {
-            Some(arc) if arc.is_ccw => length(minus(from, arc.center)) + lo > 0.0,
-            Some(arc) => length(minus(from, arc.center)) - hi > 0.0,
-            None => [lo, hi].iter().all(|x| length(minus(segment.end, from)) + x * shift > 0.0),
+            Some(arc) if arc.is_ccw => distance(from, arc.center) + lo > 0.0,
+            Some(arc) => distance(from, arc.center) - hi > 0.0,
+            None => [lo, hi].iter().all(|x| distance(segment.end, from) + x * shift > 0.0),
         };
         if !is_good {
             return Some(from);

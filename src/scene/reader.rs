@@ -294,13 +294,21 @@ impl<'a> Reader<'a> {
         // Longer names are cut by some solvers.
         let is_good =
             !name.is_empty() && name.len() <= 64 && name.chars().all(|c| c.is_ascii_graphic() && !"|\"\\".contains(c));
-        if is_good && name != "outer" {
+        if is_good {
             return Some(name);
         }
-        let diagnostic = Diagnostic::error("bad-name", format!("`{name}` cannot be the {label}"))
-            .at(self.span(raw))
-            .hint("names are 1 to 64 printable ASCII characters without blanks, `|`, quotes and `\\`; `outer` is reserved");
-        self.fault(diagnostic);
-        None
+        let hint = "names are 1 to 64 printable ASCII characters without blanks, `|`, quotes and `\\`";
+        self.fail(raw, "bad-name", format!("`{name}` cannot be the {label}"), hint)
+    }
+
+    /// A name that interfaces are called by: any but `outer`.
+    pub fn name_of_interfaces(&mut self, label: &str, raw: Raw<'a>) -> Option<String> {
+        let name = self.name(label, raw)?;
+        if name != "outer" {
+            return Some(name);
+        }
+        let hint =
+            "`outer` stands for what lies outside of all parts, as in `air|outer`: choose another one, `outer1` for instance";
+        self.fail(raw, "bad-name", format!("`outer` cannot be the {label}"), hint)
     }
 }

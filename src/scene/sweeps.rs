@@ -86,9 +86,13 @@ impl<'a> Reader<'a> {
             let message = format!("the path: {message} near ({x}, {y}) of its plane");
             return self.fail(at, "self-crossing", message, "move its points so that it neither crosses nor touches itself");
         }
-        if let Some([x, y]) = tangent_fault(&path) {
+        if let Some(([x, y], is_back)) = tangent_fault(&path) {
             let message = format!("an arc of the path does not continue its neighbour smoothly at ({x}, {y})");
-            let hint = "let the arc begin in the direction of the segment before it: its centre lies at a right angle to that";
+            let hint = if is_back {
+                "it turns right back there: let the arc run the other way round by `ccw: false` or `ccw: true`, or correct `via`"
+            } else {
+                "let the arc begin in the direction of the segment before it: its centre lies at a right angle to that"
+            };
             return self.fail(at, "bad-arc", message, hint);
         }
         let [lo, hi] = bounds(&profile.outer);

@@ -392,3 +392,38 @@ proptest! {
         let _ = length("\"a\": 1", &format!("{text:?}"));
     }
 }
+
+#[test]
+fn parameters_that_refer_to_earlier_ones_need_no_depth() {
+    // z0 = 1 mm, z1 = z0 + 1 mm, ..: layers as programs write them. The other way round each waits for the next.
+    let layer = |k: usize| format!("\"z{k}\": \"z{} + 1 mm\"", k - 1);
+    let rising: Vec<String> = std::iter::once("\"z0\": 1".to_owned()).chain((1..1000).map(layer)).collect();
+    assert_eq!(length(&rising.join(", "), "\"z999\""), Ok(1000.0));
+    let falling: Vec<String> = rising.into_iter().rev().collect();
+    let codes = length(&falling.join(", "), "1").unwrap_err();
+    assert!(!codes.is_empty() && codes.iter().all(|code| *code == "too-deep"), "{codes:?}");
+}
+
+#[test]
+fn only_parts_and_boundaries_are_not_called_outer() {
+    let solids = "solids: {\"outer\": Sphere(radius: 1, name: \"outer\")},";
+    assert_eq!(codes(&of_solids(solids, &["Use(\"outer\")"])), Vec::<&str>::new());
+    let part = "Scene(units: \"mm\", parts: [Part(name: \"outer\", solid: Sphere(radius: 1))])";
+    let faults = read(part).unwrap_err();
+    assert!(faults[0].code == "bad-name" && faults[0].hints[0].contains("outside of all parts"), "{faults:?}");
+}
+
+#[test]
+fn arcs_that_turn_back_or_are_too_small_say_how_to_write_them() {
+    let sweep = |arc: &str| {
+        let path = format!("Path(start: (0, 0), segments: [Line(to: (10, 0)), {arc}], closed: false)");
+        of_solids("", &[&format!("Sweep(profile: Circle(radius: 1), path: {path})")])
+    };
+    let hint = |arc: &str| read(&sweep(arc)).unwrap_err()[0].hints[0].clone();
+    // A quarter about (10, -5) from (10, 0) runs on to the right and down clockwise, and back counter-clockwise.
+    assert_eq!(codes(&sweep("Arc(to: (15, -5), center: (10, -5), ccw: false)")), Vec::<&str>::new());
+    assert!(hint("Arc(to: (15, -5), center: (10, -5))").contains("`ccw: false`"));
+    assert!(hint("Arc(to: (20, 0), center: (15, 0))").contains("right angle"));
+    // From (10, 0) to (13, 4) are 5: the radius is 2.5 at least.
+    assert!(hint("Arc(to: (13, 4), radius: 2)").contains("at least, 2.5,"));
+}

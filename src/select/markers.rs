@@ -2,7 +2,7 @@
 
 use crate::arrangement::Arrangement;
 use crate::brep::complex::Marker;
-use crate::ids::{Id, IdVec, MarkerId, PartId};
+use crate::ids::{Id, IdVec, LeafId, MarkerId, PartId};
 use crate::primitive::solid::Solid;
 use crate::scene::model::{BoundaryId, BoundarySelection, OUTER, Scene};
 use std::collections::BTreeMap;
@@ -43,16 +43,12 @@ pub fn assign(
     let mut claims: Vec<Claim> = vec![Claim::default(); scene.boundaries.len()];
     let mut keys: Vec<Option<Key>> = vec![None; kept.len()];
     let mut numbers: BTreeMap<Key, MarkerId> = BTreeMap::new();
-    let mut boundaries_at: BTreeMap<PartId, Vec<BoundaryId>> = BTreeMap::new();
-    for (id, boundary) in scene.boundaries.enumerate() {
-        boundaries_at.entry(boundary.part).or_default().push(id);
-    }
+    let candidates = Candidates::new(scene);
     for (cell, _) in kept.iter().enumerate().filter(|k| *k.1) {
         let mut parts = parts_of(cell).map(|p| p.unwrap_or(OUTSIDE));
         parts.sort_unstable();
-        // In the order of the file, as the parts and the boundaries of each are.
-        let of_parts = parts.iter().filter_map(|p| boundaries_at.get(p)).flatten().copied();
-        let mut named = of_parts.filter(|&id| is_of(&scene.boundaries[id].selection, solids, arrangement, cell, parts));
+        let all = candidates.at(scene, arrangement, cell, parts).into_iter();
+        let mut named = all.filter(|&id| is_of(&scene.boundaries[id].selection, solids, arrangement, cell, parts));
         let first = named.next();
         if let Some(first) = first {
             claims[first.index()].has_facets = true;
@@ -91,6 +87,38 @@ pub fn assign(
         .collect();
     let marker_of = keys.iter().map(|k| k.map_or(MarkerId(0), |k| numbers[&k])).collect();
     Names { markers, marker_of, claims: claims.into() }
+}
+
+/// The named boundaries by what they select: of the very many that a part may have, few can name a sub-cell.
+struct Candidates {
+    outer: BTreeMap<PartId, Vec<BoundaryId>>,
+    of_leaf: BTreeMap<LeafId, Vec<BoundaryId>>,
+}
+
+impl Candidates {
+    fn new(scene: &Scene) -> Self {
+        let mut candidates = Self { outer: BTreeMap::new(), of_leaf: BTreeMap::new() };
+        for (id, boundary) in scene.boundaries.enumerate() {
+            match &boundary.selection {
+                BoundarySelection::Outer => candidates.outer.entry(boundary.part).or_default().push(id),
+                BoundarySelection::Sides(sides) => {
+                    sides.iter().for_each(|(leaf, _)| candidates.of_leaf.entry(*leaf).or_default().push(id));
+                }
+            }
+        }
+        candidates
+    }
+
+    /// Those of two parts that may name a sub-cell between them, in the order of the file.
+    fn at(&self, scene: &Scene, arrangement: &Arrangement, cell: usize, parts: [PartId; 2]) -> Vec<BoundaryId> {
+        let outer = parts.iter().filter_map(|part| self.outer.get(part)).flatten();
+        let leaves = arrangement.cells.owners_of(cell).iter().filter_map(|owner| self.of_leaf.get(&owner.leaf)).flatten();
+        let mut found: Vec<BoundaryId> =
+            outer.chain(leaves).copied().filter(|&id| parts.contains(&scene.boundaries[id].part)).collect();
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
 }
 
 fn interface_name(scene: &Scene, parts: [PartId; 2]) -> String {

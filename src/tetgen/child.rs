@@ -1,11 +1,22 @@
 //! One run of an outside program: in its own folder, with limits on time and memory, everything it says kept.
 
+use crate::diag::Diagnostic;
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
+
+/// Bytes that must still fit into a folder where a program failed: else it failed for lack of room.
+const ROOM: usize = 1 << 16;
+
+/// The fault of temporary files that cannot be written.
+pub fn no_room(error: &io::Error) -> Diagnostic {
+    let folder = std::env::temp_dir();
+    Diagnostic::error("cannot-write", format!("cannot write TetGen's files below {}: {error}", folder.display()))
+        .hint("make room there, or let the variable TMPDIR name another folder")
+}
 
 /// A folder that goes with its contents when it is dropped.
 pub struct Folder(PathBuf);
@@ -28,6 +39,14 @@ impl Folder {
             }
         }
         Err(io::ErrorKind::AlreadyExists.into())
+    }
+
+    /// Whether more can be written: programs that do not notice a full disk leave files that are cut off.
+    ///
+    /// # Errors
+    /// `cannot-write`, if there is no room.
+    pub fn check_room(&self) -> Result<(), Diagnostic> {
+        fs::write(self.0.join("room"), vec![0; ROOM]).map_err(|e| no_room(&e))
     }
 
     /// Where it is.
@@ -273,6 +292,11 @@ mod tests {
         let folder = Folder::new().unwrap();
         let path = folder.path().to_path_buf();
         fs::write(path.join("x"), "x").unwrap();
+        assert_eq!(folder.check_room(), Ok(()));
+        fs::remove_dir_all(&path).unwrap();
+        let fault = folder.check_room().unwrap_err();
+        assert!(fault.code == "cannot-write" && fault.hints[0].contains("TMPDIR"), "{fault:?}");
+        fs::create_dir(&path).unwrap();
         drop(folder);
         assert!(!path.exists());
     }

@@ -34,11 +34,9 @@ pub fn find(given: Option<&Path>) -> Result<Vec<Program>, Diagnostic> {
         return only(Path::new(&path), VARIABLE);
     }
     let folders: Vec<PathBuf> = std::env::var_os("PATH").map(|p| std::env::split_paths(&p).collect()).unwrap_or_default();
-    let mut found: Vec<Program> = NAMES
-        .iter()
-        .filter_map(|name| folders.iter().map(|f| f.join(name)).find(|p| p.is_file()))
-        .filter_map(|path| probe(&path))
-        .collect();
+    let paths = NAMES.iter().filter_map(|name| folders.iter().map(|f| f.join(name)).find(|p| p.is_file()));
+    let probed = paths.map(|path| probe(&path)).collect::<Result<Vec<_>, _>>()?;
+    let mut found: Vec<Program> = probed.into_iter().flatten().collect();
     found.sort_by(|a, b| a.version.cmp(&b.version));
     if found.is_empty() {
         return Err(missing("TetGen was not found on PATH"));
@@ -47,7 +45,7 @@ pub fn find(given: Option<&Path>) -> Result<Vec<Program>, Diagnostic> {
 }
 
 fn only(path: &Path, source: &str) -> Result<Vec<Program>, Diagnostic> {
-    match probe(path) {
+    match probe(path)? {
         Some(program) => Ok(vec![program]),
         None => Err(missing(&format!("{} ({source}) is not TetGen", path.display()))),
     }
@@ -60,14 +58,15 @@ fn missing(message: &str) -> Diagnostic {
 }
 
 /// Runs `tetgen -h`: the help names the program and `Version 1.5`. (Its exit code means nothing: 1.5.0 aborts after its help.)
-fn probe(path: &Path) -> Option<Program> {
-    let folder = child::Folder::new().ok()?;
-    let run = child::run(path, &["-h"], folder.path(), &PROBE).ok()?;
-    if run.ending == Ending::OutOfTime || !run.log.contains("TetGen") {
-        return None;
-    }
+/// Errors: there is no room for what it says.
+fn probe(path: &Path) -> Result<Option<Program>, Diagnostic> {
+    let folder = child::Folder::new().map_err(|e| child::no_room(&e))?;
+    let run = child::run(path, &["-h"], folder.path(), &PROBE).ok();
+    let Some(run) = run.filter(|run| run.ending != Ending::OutOfTime && run.log.contains("TetGen")) else {
+        return folder.check_room().map(|()| None);
+    };
     let version = run.log.split_once("Version ").and_then(|(_, rest)| rest.split_whitespace().next()).unwrap_or("");
-    Some(Program { path: path.to_path_buf(), version: version.to_string() })
+    Ok(Some(Program { path: path.to_path_buf(), version: version.to_string() }))
 }
 
 #[cfg(test)]

@@ -2,11 +2,11 @@
 
 use crate::brep::complex::Complex;
 use crate::diag::{Diagnostic, Outcome, Severity, Span};
+use crate::geom::cast::Caster;
 use crate::geom::polygon::vector_area;
 use crate::ids::{Id, IdVec, PartId};
 use crate::io::manifest::Manifest;
 use crate::io::mesh::{MarkerNumber, Mesh, NodeId, RegionNumber, Triangle};
-use crate::plc::cast::Caster;
 use crate::plc::{Plc, check, facet, volumes};
 use crate::scene::model::Part;
 use std::collections::BTreeMap;

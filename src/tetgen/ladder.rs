@@ -12,6 +12,7 @@ use crate::io::poly;
 use crate::plc::Plc;
 use std::collections::BTreeMap;
 use std::fmt;
+use std::io;
 use std::path::Path;
 use std::time::Duration;
 
@@ -173,10 +174,7 @@ impl Climb {
             Ok(done) => done,
             // There is a mesh.
             Err(_) if self.runaway.is_some() => return Ok(Next::Stop),
-            Err(e) => {
-                let fault = Diagnostic::error("no-tetgen", format!("{}: {e}", program.path.display()));
-                return Err(vec![fault.hint("check that the program runs: `tetgen -h`; --tetgen names another")]);
-            }
+            Err(fault) => return Err(vec![fault]),
         };
         let endless = result.as_ref().ok().and_then(|m| runaway::verdict(m, options.ratio, input.plc.vertices.len()));
         let verdict = match &result {
@@ -253,22 +251,32 @@ struct Task<'a> {
 }
 
 impl Task<'_> {
+    /// Errors: the program cannot be started, or its files have no room.
     fn attempt(
         &self,
         program: &Program,
         place: &Place,
         improvements: &str,
         time: Duration,
-    ) -> std::io::Result<(Judged, child::Run)> {
-        let folder = Folder::new()?;
+    ) -> Result<(Judged, child::Run), Diagnostic> {
+        let folder = Folder::new().map_err(|e| child::no_room(&e))?;
         let (marked, markers) = apart::keep_apart(&place.apply(self.input));
         let plc = limited(marked, self.options, place.distortion());
-        std::fs::write(folder.path().join("m.poly"), poly::to_text(&plc, None))?;
+        std::fs::write(folder.path().join("m.poly"), poly::to_text(&plc, None)).map_err(|e| child::no_room(&e))?;
         let stall = STALL + STALL_PER_VERTEX * plc.vertices.len() as u32;
         let limits = Limits { time, stall, memory: self.options.memory };
         let switches = switches(&plc, self.options, place) + improvements;
-        let run = child::run(&program.path, &[&switches, "m.poly"], folder.path(), &limits)?;
-        Ok((self.judge(place, &markers, &run, folder.path()), run))
+        let run = child::run(&program.path, &[&switches, "m.poly"], folder.path(), &limits).map_err(|e| match e.kind() {
+            io::ErrorKind::StorageFull => child::no_room(&e),
+            _ => Diagnostic::error("no-tetgen", format!("{}: {e}", program.path.display()))
+                .hint("check that the program runs: `tetgen -h`; --tetgen names another"),
+        })?;
+        let judged = self.judge(place, &markers, &run, folder.path());
+        if judged.is_err() {
+            // TetGen does not notice that its files are cut off.
+            folder.check_room()?;
+        }
+        Ok((judged, run))
     }
 
     fn judge(&self, place: &Place, markers: &Markers, run: &child::Run, folder: &Path) -> Judged {

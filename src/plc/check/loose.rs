@@ -5,10 +5,10 @@
 
 use super::{Subject, contacts};
 use crate::diag::{Diagnostic, Severity};
+use crate::geom::cast::Caster;
 use crate::geom::embedding::{Kind, LooseViolation, Partner, is_inside, loose_violations};
 use crate::geom::predicates::orient3d;
 use crate::plc::PlcFacet;
-use crate::plc::cast::Caster;
 use crate::plc::facet::{Strays, segments_of};
 use crate::plc::volumes::Volumes;
 use std::collections::BTreeSet;

@@ -29,11 +29,11 @@ mod sides;
 mod tests;
 mod vertices;
 
-use super::cast::Caster;
 use super::{Plc, build, facet, volumes};
 use crate::brep::complex::Complex;
 use crate::diag::{Diagnostic, Severity};
 use crate::geom::Vec3;
+use crate::geom::cast::Caster;
 use crate::io::manifest::Manifest;
 
 /// Findings of one kind that are reported before the rest is only counted: more of them help nobody.

@@ -3,9 +3,9 @@
 use super::Subject;
 use crate::diag::{Diagnostic, Tally};
 use crate::geom::Vec3;
+use crate::geom::cast::Caster;
 use crate::geom::polygon::vector_area;
 use crate::io::manifest::{Counts, Manifest, MarkerEntry};
-use crate::plc::cast::Caster;
 use crate::plc::measure::enclosed_volumes;
 use crate::plc::volumes::Volumes;
 use std::collections::BTreeMap;

@@ -3,7 +3,7 @@
 use super::{MAX_FINDINGS, Subject};
 use crate::diag::{Diagnostic, Severity};
 use crate::geom::Vec3;
-use crate::plc::cast::{CastError, Caster};
+use crate::geom::cast::{CastError, Caster};
 use crate::plc::volumes::Volumes;
 use std::collections::BTreeSet;
 

@@ -2,7 +2,7 @@
 
 use super::Subject;
 use crate::diag::Diagnostic;
-use crate::plc::cast::{CastError, Caster};
+use crate::geom::cast::{CastError, Caster};
 
 /// Vertices at the position of an earlier one.
 pub fn coincident(subject: &Subject) -> Vec<Diagnostic> {

@@ -59,7 +59,8 @@ fn faults_are_named() {
     assert!(doubled.message.contains("more than two facets"), "{}", doubled.message);
     assert_eq!(read("j.off", &CUBE.replace("1 1 1", "1 1 1e300")).unwrap_err().code, "out-of-range");
     assert_eq!(read("k.off", "OFF\n0 0 0\n").unwrap_err().code, "no-facets");
-    assert_eq!(read("f.off", &CUBE.replace("4 3 0 4 7", "4 3 0 4 0")).unwrap_err().code, "flat-facet");
+    let bow = CUBE.replace("4 3 0 4 7", "4 3 4 0 7");
+    assert_eq!(read("f.off", &bow).unwrap_err().code, "flat-facet");
     assert_eq!(read("g.off", &CUBE.replace("4 3 0 4 7", "4 3 0 4 8")).unwrap_err().code, "malformed-file");
     assert_eq!(read("h.ply", "").unwrap_err().code, "unknown-format");
 }
@@ -107,4 +108,96 @@ fn pieces_of_a_plane_become_one_polygon() {
     let raised = cut(&star).replace("0.5 0.5 1", "0.5 0.5 1.25");
     assert_eq!(corners(&raised, "o.off"), [3, 3, 3, 3, 4, 4, 4, 4, 4]);
     assert_eq!(read("p.off", &cut(&["3 4 5 6", "3 4 6 7", "3 4 6 5", "3 4 5 6"])).unwrap_err().code, "self-intersection");
+}
+
+/// The text of an STL of these facets; the size of the cube is 2 sqrt 3 with the scale of 2.
+fn stl(facets: &[[[f64; 3]; 3]]) -> String {
+    let vertex = |p: &[f64; 3]| format!("vertex {} {} {}\n", p[0], p[1], p[2]);
+    let facet = |f: &[[f64; 3]; 3]| {
+        format!("facet normal 0 0 0\nouter loop\n{}endloop\nendfacet\n", f.iter().map(vertex).collect::<String>())
+    };
+    format!("solid a\n{}endsolid a\n", facets.iter().map(facet).collect::<String>())
+}
+
+/// The tetrahedron (0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), whose edge to (1, 0, 0) is cut at `x` by the lower facet alone.
+fn with_flat_facet(x: f64) -> String {
+    let [o, a, b, c, m] = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.], [x, 0., 0.]];
+    stl(&[[o, b, m], [m, b, a], [o, m, a], [o, a, c], [a, b, c], [o, c, b]])
+}
+
+#[test]
+fn facets_without_area_become_a_part_of_their_neighbor() {
+    let solid = read("q.stl", &with_flat_facet(0.25)).unwrap();
+    assert_eq!(solid.vertices.len(), 5);
+    let mut corners: Vec<usize> = solid.facets.iter().map(|f| f.loops[0].len()).collect();
+    corners.sort_unstable();
+    // Below, the two pieces of the plane became one polygon, which keeps the vertex on its border.
+    assert_eq!(corners, [3, 3, 4, 4]);
+    // One beyond another: the edge is cut at m and n below, and whole above.
+    let [o, a, b, c, m, n] = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.], [0.25, 0., 0.], [0.75, 0., 0.]];
+    let rest = [[o, b, m], [m, b, n], [n, b, a], [o, a, c], [a, b, c], [o, c, b]];
+    for flat in [[[o, m, n], [o, n, a]], [[o, n, a], [o, m, n]], [[m, n, a], [o, m, a]]] {
+        let solid = read("r.stl", &stl(&[&rest[..], &flat[..]].concat())).unwrap();
+        assert_eq!((solid.vertices.len(), solid.facets.len()), (6, 4));
+    }
+    // Two that lie on each other beside an edge that is closed without them: three facets beyond it, nobody knows which.
+    let doubled = [[o, b, a], [o, a, c], [a, b, c], [o, c, b], [o, a, m], [m, a, o]];
+    assert_eq!(read("s.stl", &stl(&doubled)).unwrap_err().code, "flat-facet");
+}
+
+#[test]
+fn points_within_the_tolerance_become_one_in_closed_surfaces_too() {
+    // Facets of 1e-9 at a corner, within 1e-6 of the size.
+    let [a, b, c, m, n] = [[1., 0., 0.], [0., 1., 0.], [0., 0., 1.], [0., 0., 1e-9], [0., 1e-9, 0.]];
+    let o = [0.; 3];
+    let facets = [[o, n, a], [n, b, a], [o, a, m], [m, a, c], [a, b, c], [o, m, n], [m, c, n], [n, c, b]];
+    let solid = read("t.stl", &stl(&facets)).unwrap();
+    assert_eq!((solid.vertices.len(), solid.facets.len()), (4, 4));
+}
+
+/// Cubes of the file's size 1: smallest corner, size, whether inside out.
+fn cubes(all: &[(f64, f64, bool)]) -> String {
+    let (mut points, mut facets) = (String::new(), String::new());
+    for (k, &(at, size, is_turned)) in all.iter().enumerate() {
+        for line in CUBE.lines().skip(2).take(8) {
+            let p: Vec<f64> = line.split(' ').map(|x| at + size * x.parse::<f64>().unwrap()).collect();
+            points += &format!("{} {} {}\n", p[0], p[1], p[2]);
+        }
+        for line in CUBE.lines().skip(10) {
+            let mut v: Vec<usize> = line.split(' ').skip(1).map(|x| 8 * k + x.parse::<usize>().unwrap()).collect();
+            if is_turned {
+                v.reverse();
+            }
+            facets += &format!("4 {} {} {} {}\n", v[0], v[1], v[2], v[3]);
+        }
+    }
+    format!("OFF\n{} {} 0\n{points}{facets}", 8 * all.len(), 6 * all.len())
+}
+
+#[test]
+fn shells_are_turned_by_what_they_lie_in() {
+    let (outer, inner, core) = ((0., 10., false), (1., 8., false), (2., 6., false));
+    let turned = |(at, size, _): (f64, f64, bool)| (at, size, true);
+    let volume = |all: &[(f64, f64, bool)]| {
+        let solid = read("u.off", &cubes(all)).map_err(|fault| fault.code)?;
+        let origin = solid.vertices[0].point;
+        let p = |v: u32| solid.vertices[v as usize].point - origin;
+        let six = |f: &SolidFacet| -> f64 {
+            let walk = &f.loops[0];
+            (2..walk.len()).map(|k| p(walk[0]).dot(&p(walk[k - 1]).cross(&p(walk[k])))).sum()
+        };
+        // The file is read at a scale of 2.
+        Ok((solid.facets.iter().map(six).sum::<f64>() / 48.0).round())
+    };
+    // A cavity, however the whole is turned; beside each other, each by itself.
+    assert_eq!(volume(&[outer, turned(inner)]), Ok(488.0));
+    assert_eq!(volume(&[turned(outer), inner]), Ok(488.0));
+    assert_eq!(volume(&[turned(outer), (20., 2., false)]), Ok(1008.0));
+    assert_eq!(volume(&[(0., 2., true), (20., 2., false)]), Ok(16.0));
+    assert_eq!(volume(&[core, turned(inner), outer]), Ok(704.0));
+    assert_eq!(volume(&[turned(core), inner, turned(outer), (20., 2., true)]), Ok(712.0));
+    // Nobody knows what is meant.
+    assert_eq!(volume(&[outer, inner]), Err("nested-shells"));
+    assert_eq!(volume(&[turned(outer), turned(inner)]), Err("nested-shells"));
+    assert_eq!(volume(&[outer, turned(inner), turned(core)]), Err("nested-shells"));
 }
