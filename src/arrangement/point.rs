@@ -249,9 +249,6 @@ impl<'a> Points<'a> {
                         let p = next;
                         next = self.previous[p as usize];
                         if self.may_be(p, &place) {
-                            if place.error + self.place(p).error == 0.0 {
-                                return p;
-                            }
                             let mine = exact.get_or_insert_with(|| self.integers().place(&source));
                             if is_same(mine, &self.exact(p)) {
                                 return p;
@@ -290,17 +287,14 @@ impl<'a> Points<'a> {
             Source::LinePlane { line, plane } => {
                 let [p, q] = line.map(|v| &self.explicit[v as usize]);
                 let [r, s, t] = plane.map(|v| &self.explicit[v as usize]);
-                upright_line(p, q, &[r, s, t]).or_else(|| line_plane(p, q, r, s, t))
+                line_plane(p, q, r, s, t)
             }
             Source::LineLine { line, other, projection } => {
                 let [p, q] = line.map(|v| &self.explicit[v as usize]);
                 let [r, s] = other.map(|v| &self.explicit[v as usize]);
-                upright_line(p, q, &[r, s]).or_else(|| line_line(p, q, r, s, *projection))
+                line_line(p, q, r, s, *projection)
             }
-            Source::ThreePlanes(planes) => {
-                let planes = planes.map(|t| t.map(|v| self.explicit[v as usize]));
-                upright_planes(&planes).or_else(|| three_planes(&planes))
-            }
+            Source::ThreePlanes(planes) => three_planes(&planes.map(|t| t.map(|v| self.explicit[v as usize]))),
             Source::Middle(_) => None,
         };
         place.filter(|p| p.error <= self.worst).unwrap_or_else(|| {
@@ -378,26 +372,6 @@ fn fine_orient2d([a, b, c]: [Place; 3], projection: Projection) -> Option<Sign> 
 
 fn is_same(a: &ExactPoint, b: &ExactPoint) -> bool {
     (0..3).all(|k| exact::compare(a, b, k) == Ordering::Equal)
-}
-
-/// Where a line along an axis meets what is level across it: most of what is built is so, and its crossings have coordinates
-/// that are given.
-fn upright_line(p: &Vec3, q: &Vec3, level: &[&Vec3]) -> Option<Place> {
-    let axis = (q - p).iamax();
-    let is_along = (0..3).all(|k| k == axis || p[k] == q[k]);
-    let mut at = *p;
-    at[axis] = level[0][axis];
-    (is_along && level.iter().all(|r| r[axis] == at[axis])).then(|| Place::exactly(at))
-}
-
-/// Where planes level across one axis each meet.
-fn upright_planes(planes: &[[Vec3; 3]; 3]) -> Option<Place> {
-    let mut at = Vec3::zeros();
-    for [a, b, c] in planes {
-        let axis = (0..3).find(|&k| a[k] == b[k] && b[k] == c[k])?;
-        at[axis] = a[axis];
-    }
-    Some(Place::exactly(at))
 }
 
 type D3 = [Dd; 3];
@@ -529,29 +503,5 @@ mod tests {
         let q = Projection { u: 0, v: 2 };
         assert_eq!(points.orient2d(0, 1, m, q), 0, "on its own line");
         assert_eq!(points.compare(0, m, 2), Ordering::Less);
-    }
-
-    #[test]
-    fn what_runs_along_the_axes_meets_in_given_coordinates() {
-        // Thirds are not exact, and neither are quotients of their differences.
-        let third = 1.0 / 3.0;
-        let v = |x: f64, y: f64, z: f64| Vec3::new(x, y, z) * third;
-        let explicit = [
-            v(1., 2., -5.),
-            v(1., 2., 7.),
-            v(0., 0., 4.),
-            v(5., 0., 4.),
-            v(0., 5., 4.),
-            v(1., 0., 0.),
-            v(1., 1., 9.),
-            v(1., 2., 9.),
-            v(3., 2., 0.),
-            v(8., 2., 1.),
-        ];
-        let mut points = Points::new(&explicit);
-        let x = points.intern(Source::LinePlane { line: [0, 1], plane: [2, 3, 4] });
-        assert_eq!(points.place(x), Place::exactly(v(1., 2., 4.)));
-        assert_eq!(points.intern(Source::ThreePlanes([[2, 3, 4], [5, 6, 0], [7, 8, 9]])), x);
-        assert_eq!(points.exact(x).into_owned(), points.exact_at(&v(1., 2., 4.)));
     }
 }

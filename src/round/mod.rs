@@ -197,14 +197,14 @@ fn draft(
 ) -> Draft {
     let loops: Vec<Vec<Vec<u32>>> = selected.iter_mut().map(|f| std::mem::take(&mut f.loops)).collect();
     let describe = |f: &SelectedFacet| {
-        let source = &solids[f.source.0.index()].facets[f.source.1 as usize];
+        let source = solids[f.source.0.index()].facets.of(f.source.1);
         Lineage {
             sides: f.volumes.map(RegionId),
             surface: surface_of(f.source),
             source: f.source,
             marker: f.marker,
             is_modified: f.is_partial,
-            corners: corners(&source.loops),
+            corners: source.loops.corners().count() as u32,
         }
     };
     let facets = selected.iter().map(describe).collect();
@@ -258,8 +258,9 @@ fn surface_table(solids: &[Solid]) -> (IdVec<SurfaceId, ComplexSurface>, impl Fn
             surfaces.push(ComplexSurface { leaf: LeafId::new(leaf), side: s.side.clone(), shape: s.shape.clone() });
         }
     }
-    let of: Vec<Vec<u32>> = solids.iter().map(|s| s.facets.iter().map(|f| f.surface).collect()).collect();
-    (surfaces, move |(leaf, facet): (LeafId, u32)| SurfaceId(first[leaf.index()] + of[leaf.index()][facet as usize]))
+    let surface_of =
+        move |(leaf, facet): (LeafId, u32)| SurfaceId(first[leaf.index()] + solids[leaf.index()].facets.of(facet).surface);
+    (surfaces, surface_of)
 }
 
 /// Dropped pieces of sampled surfaces (their supports are fitted): the triangles that they lay on.

@@ -156,7 +156,7 @@ impl Solid {
         vertices.sort_unstable();
         vertices.dedup();
         let triangles: Vec<[Vec3; 3]> = shell.sides.iter().flat_map(|s| corners(complex, s.0)).collect();
-        let tree = Bvh::new(triangles.iter().map(|t| Aabb::around(t)).collect());
+        let tree = Bvh::new(triangles.iter().map(Aabb::around).collect());
         Self { vertices, triangles, tree }
     }
 
