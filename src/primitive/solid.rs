@@ -179,3 +179,20 @@ pub enum Shape {
     /// No formula: imported facets, supports are fitted.
     Sampled,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_facet_keeps_its_loops() {
+        let facets: Facets = [(vec![vec![0, 1, 2]], 0), (vec![vec![0, 2, 3, 4], vec![5, 6, 7]], 1)].into_iter().collect();
+        let loops = |k: u32| facets.of(k).loops.iter().map(<[u32]>::to_vec).collect::<Vec<_>>();
+        assert_eq!((facets.len(), facets.corners().len()), (2, 10));
+        assert_eq!((loops(0), facets.of(0).surface), (vec![vec![0, 1, 2]], 0));
+        assert_eq!(
+            (loops(1), facets.of(1).loops.outer(), facets.of(1).surface),
+            (vec![vec![0, 2, 3, 4], vec![5, 6, 7]], &[0, 2, 3, 4][..], 1)
+        );
+    }
+}
