@@ -47,7 +47,7 @@ use crate::diag::{Diagnostic, Outcome};
 use crate::ids::{Id, LeafId};
 use crate::primitive::solid::Solid;
 use crate::report::timing::Timings;
-use crate::round::{self, Repairs, Rounded};
+use crate::round::{self, Exact, Repairs, Rounded};
 use crate::scene::model::{Policy, Scene};
 use crate::select;
 
@@ -97,7 +97,7 @@ fn evaluate_pieces(
     let (mut conforming, mut warnings) = timings.measure("contact", || conform(scene, cut, pieces, size))?;
     let tolerance = conforming.tolerance;
     // A gap that is forbidden must not hide an overlap that is.
-    let (found, mut errors) = match timings.measure("gaps", || findings::gaps(scene, cut, &conforming)) {
+    let (found, errors) = match timings.measure("gaps", || findings::gaps(scene, cut, &conforming)) {
         Ok(found) => (found, Vec::new()),
         Err(errors) if scene.overlap == Policy::Allow => return Err(errors),
         Err(errors) => (Vec::new(), errors),
@@ -108,8 +108,25 @@ fn evaluate_pieces(
     for owner in &mut conforming.owners {
         owner.facet = pieces.get(owner.leaf.index()).map_or(owner.facet, |p| p[owner.facet as usize].facet);
     }
+    let (exact, statistics) = choose(scene, solids, conforming, (&mut warnings, errors), timings)?;
+    let rounded = timings.measure("round", || round::round(exact, solids, tolerance, size)).map_err(single)?;
+    match rounded {
+        Rounded::Valid { complex, repairs } => Ok(Evaluation { complex, statistics, repairs, warnings }),
+        Rounded::Broken { complex, faults } => Err(findings::broken(scene, &complex, &faults)),
+    }
+}
+
+/// Cuts the cells against each other and selects, which alone is left: a quarter of a large model's memory goes. `errors` are
+/// told with those found here.
+fn choose(
+    scene: &Scene,
+    solids: &[Solid],
+    conforming: Conforming,
+    (warnings, mut errors): (&mut Vec<Diagnostic>, Vec<Diagnostic>),
+    timings: &mut Timings,
+) -> Outcome<(Exact, Statistics)> {
     let arrangement = timings.measure("arrangement", || arrangement::arrange(&conforming));
-    let classified = timings.measure("classify", || classify::classify(&arrangement)).map_err(single)?;
+    let classified = timings.measure("classify", || classify::classify(&arrangement)).map_err(|d| vec![d])?;
     let selected = timings.measure("select", || select::select(scene, solids, &arrangement, &classified));
     errors.extend(findings::overlaps(scene, &arrangement, &classified, &selected));
     errors.extend(findings::empty_parts(scene, &selected));
@@ -119,13 +136,7 @@ fn evaluate_pieces(
     warnings.extend(findings::boundaries(scene, &arrangement, &selected));
     warnings.extend(findings::interfaces(scene, &selected));
     drop(classified);
-    let rounded = timings.measure("round", || round::round(selected, &arrangement, solids, tolerance, size)).map_err(single)?;
-    match rounded {
-        Rounded::Valid { complex, repairs } => {
-            Ok(Evaluation { complex, statistics: arrangement.statistics, repairs, warnings })
-        }
-        Rounded::Broken { complex, faults } => Err(findings::broken(scene, &complex, &faults)),
-    }
+    Ok((timings.measure("round", || Exact::new(selected, &arrangement, solids)), arrangement.statistics))
 }
 
 /// Welds and imprints with the tolerance of the scene, or where features come near it with a smaller one.

@@ -63,6 +63,8 @@ pub fn run(path: &Path, overrides: Overrides, mut timings: Timings) -> Outcome<M
 fn build(scene: Scene, mut warnings: Vec<Diagnostic>, mut timings: Timings) -> Outcome<Model> {
     let solids = timings.measure("primitive", || primitive::build(&scene))?;
     let evaluation = evaluate::evaluate(&scene, &solids, &mut timings)?;
+    // Their memory serves what follows.
+    drop(solids);
     let (statistics, repairs) = (evaluation.statistics, evaluation.repairs);
     warnings.extend(evaluation.warnings);
     // Before the work that it warns of.

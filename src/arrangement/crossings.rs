@@ -1,8 +1,7 @@
 //! Cuts the strings on each triangle where they meet.
 
 use super::graph::{Along, Curve, Graph, Mesh, StringPiece};
-use super::point::{Points, Source};
-use crate::geom::Vec3;
+use super::point::{Place, Points, Source};
 use crate::geom::aabb::Aabb;
 use crate::geom::predicates::orient3d;
 use rayon::prelude::*;
@@ -75,10 +74,14 @@ fn cuts_on(mesh: &Mesh, graph: &Graph, points: &Points, t: u32) -> Vec<Cut> {
     }
     lone.sort_unstable();
     lone.dedup();
-    let lone: Vec<(u32, Vec3)> = lone.into_iter().map(|p| (p, points.at(p))).collect();
+    let mut lone: Vec<(u32, Place)> = lone.into_iter().map(|p| (p, points.place(p))).collect();
+    lone.sort_by(|a, b| a.1.at.x.total_cmp(&b.1.at.x));
+    let widest = lone.iter().fold(0.0, |m: f64, l| m.max(l.1.error));
     for string in &strings {
-        for (p, at) in &lone {
-            if string.bounds.inflated(points.place(*p).error).contains(at) {
+        let reach = string.bounds.inflated(widest);
+        let first = lone.partition_point(|l| l.1.at.x < reach.lo.x);
+        for (p, place) in lone[first..].iter().take_while(|l| l.1.at.x <= reach.hi.x) {
+            if string.bounds.inflated(place.error).contains(&place.at) {
                 touch(mesh, graph, points, t, *p, string.piece, &mut out);
             }
         }

@@ -7,8 +7,10 @@ use crate::arrangement::projection_of_triangle;
 use crate::diag::Diagnostic;
 use crate::geom::Vec3;
 use crate::geom::aabb::{Aabb, Segment};
+use crate::geom::bvh::Bvh;
 use crate::geom::lists::Lists;
 use crate::geom::predicates::{Sign, orient3d};
+use std::cell::{Cell, OnceCell};
 
 /// Directions tried before giving up; each fails only if the ray meets an edge exactly.
 const TRIES: u64 = 64;
@@ -18,10 +20,21 @@ pub struct Rays<'a> {
     arrangement: &'a Arrangement<'a>,
     /// Triangles of each leaf.
     triangles: Lists,
-    /// Box of each leaf.
-    leaf_boxes: Vec<Aabb>,
-    bounds: Aabb,
+    /// Boxes of the leaves.
+    leaves: Bvh,
+    /// What is kept for further rays through each leaf.
+    searches: Vec<Search>,
 }
+
+/// A tree over a leaf's triangles, made for the second ray: most leaves are met by one or none.
+#[derive(Default)]
+struct Search {
+    is_repeated: Cell<bool>,
+    tree: OnceCell<Bvh>,
+}
+
+/// Triangles of a leaf up to which all are looked at.
+const FEW: usize = 64;
 
 impl<'a> Rays<'a> {
     /// Sorts the triangles by leaf.
@@ -40,8 +53,9 @@ impl<'a> Rays<'a> {
                 leaf_boxes[leaf] = leaf_boxes[leaf].union(&own);
             }
         }
-        let bounds = leaf_boxes.iter().fold(Aabb::EMPTY, |b, l| b.union(l));
-        Self { arrangement, triangles: Lists::new(leaf_boxes.len(), &by_leaf), leaf_boxes, bounds }
+        let triangles = Lists::new(leaf_boxes.len(), &by_leaf);
+        let searches = leaf_boxes.iter().map(|_| Search::default()).collect();
+        Self { arrangement, triangles, leaves: Bvh::new(leaf_boxes), searches }
     }
 
     /// The leaves that contain the space in front of a sub-cell; `None` if it has no place to cast a ray from.
@@ -49,19 +63,17 @@ impl<'a> Rays<'a> {
         let Some(inside) = self.inner_point(cell) else { return Ok(None) };
         let owners = self.arrangement.cells.owners_of(cell);
         let from = Origin { exact: self.arrangement.points.exact_of(&inside), near: self.arrangement.points.round(&inside).at };
-        let margin = self.bounds.diagonal() * 1e-9; // the rounded origin only selects leaves to look at
-        let mut label = Vec::new();
-        for (leaf, bounds) in self.leaf_boxes.iter().enumerate() {
-            let triangles = || self.triangles.of(leaf as u32);
-            match owners.iter().find(|o| o.leaf.0 as usize == leaf) {
-                Some(owner) if owner.is_flipped => label.push(leaf as u32),
-                Some(_) => {}
-                None if bounds.inflated(margin).contains(&from.near) && self.is_inside(&from, triangles())? => {
-                    label.push(leaf as u32)
-                }
-                None => {}
+        let margin = self.leaves.bounds().diagonal() * 1e-9; // the rounded origin only selects leaves to look at
+        let mut label: Vec<u32> = owners.iter().filter(|o| o.is_flipped).map(|o| o.leaf.0).collect();
+        let mut around = Vec::new();
+        self.leaves.search(|b| b.inflated(margin).contains(&from.near), |leaf| around.push(leaf));
+        for leaf in around.into_iter().filter(|leaf| owners.iter().all(|o| o.leaf.0 != *leaf)) {
+            if self.is_inside(&from, leaf)? {
+                label.push(leaf);
             }
         }
+        label.sort_unstable();
+        label.dedup();
         Ok(Some(label))
     }
 
@@ -86,13 +98,14 @@ impl<'a> Rays<'a> {
     }
 
     /// Whether a point that is not on the leaf is inside it: parity of the triangles that a ray meets.
-    fn is_inside(&self, from: &Origin, triangles: &[u32]) -> Result<bool, Diagnostic> {
+    fn is_inside(&self, from: &Origin, leaf: u32) -> Result<bool, Diagnostic> {
         for attempt in 0..TRIES {
             let target = self.far_point(attempt);
             let segment = Segment::new(&from.near, &target);
-            let is_near = |t: &&u32| segment.may_meet(&self.bounds_of(**t), 1.0);
-            let mut near = triangles.iter().filter(is_near);
-            let crossings = near.try_fold(0u32, |n, &t| Some(n + u32::from(self.crosses(from, &target, t)?)));
+            let mut crossings = Some(0u32);
+            self.along(leaf, &segment, |t| {
+                crossings = crossings.and_then(|n| Some(n + u32::from(self.crosses(from, &target, t)?)));
+            });
             if let Some(n) = crossings {
                 return Ok(n % 2 == 1);
             }
@@ -100,12 +113,24 @@ impl<'a> Rays<'a> {
         Err(Diagnostic::internal("ray", "every ray from a point meets an edge").near(from.near))
     }
 
+    /// Calls `visit` with the triangles of a leaf that a segment may meet.
+    fn along(&self, leaf: u32, segment: &Segment, mut visit: impl FnMut(u32)) {
+        let (triangles, search) = (self.triangles.of(leaf), &self.searches[leaf as usize]);
+        if triangles.len() <= FEW || !search.is_repeated.replace(true) {
+            let is_near = |t: &&u32| segment.may_meet(&self.bounds_of(**t), 1.0);
+            return triangles.iter().filter(is_near).for_each(|&t| visit(t));
+        }
+        let tree = search.tree.get_or_init(|| Bvh::new(triangles.iter().map(|&t| self.bounds_of(t)).collect()));
+        tree.search(|b| segment.may_meet(b, 1.0), |k| visit(triangles[k as usize]));
+    }
+
     /// A point well outside everything, in a direction that depends on the attempt.
     fn far_point(&self, attempt: u64) -> Vec3 {
+        let bounds = self.leaves.bounds();
         // Equidistributed and unrelated to coordinate directions: multiples of three irrational numbers.
         let f = |x: f64| ((attempt + 1) as f64 * x).fract() - 0.5;
         let direction = Vec3::new(f(0.754_877_666_2) + 0.1, f(0.569_840_290_9) + 0.2, 0.6 + f(0.819_172_513_4).abs());
-        self.arrangement.points.coarse(&(self.bounds.center() + direction.normalize() * (2.0 * self.bounds.diagonal())))
+        self.arrangement.points.coarse(&(bounds.center() + direction.normalize() * (2.0 * bounds.diagonal())))
     }
 
     fn bounds_of(&self, triangle: u32) -> Aabb {

@@ -8,7 +8,7 @@ use crate::diag::{Name, Outcome};
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
 use crate::ids::LeafId;
-use crate::primitive::solid::Solid;
+use crate::primitive::solid::{Solid, Walks};
 
 /// Smallest tolerance in units in the last place of the largest coordinate: below this, the vertices that a primitive computes
 /// for one place need not agree.
@@ -77,18 +77,18 @@ impl<'a> Body<'a> {
         self.leaf_of_facet.len()
     }
     /// The loops of a facet as vertices of its leaf.
-    pub fn own_loops(&self, facet: u32) -> &'a [Vec<u32>] {
+    pub fn own_loops(&self, facet: u32) -> Walks<'a> {
         let leaf = self.leaf_of_facet[facet as usize];
-        &self.solids[leaf as usize].facets[(facet - self.first_facet[leaf as usize]) as usize].loops
+        self.solids[leaf as usize].facets.of(facet - self.first_facet[leaf as usize]).loops
     }
     /// Whether a facet is one triangle.
     pub fn is_triangle(&self, facet: u32) -> bool {
-        matches!(self.own_loops(facet), [walk] if walk.len() == 3)
+        self.own_loops(facet).count() == 1 && self.own_loops(facet).outer().len() == 3
     }
     /// The corners of a facet that is one triangle, as points.
     pub fn triangle(&self, facet: u32) -> [u32; 3] {
         let ids = self.points_of_leaf(self.leaf_of_facet[facet as usize]);
-        let walk = &self.own_loops(facet)[0];
+        let walk = self.own_loops(facet).outer();
         [0, 1, 2].map(|k| ids[walk[k] as usize])
     }
     /// The point of each vertex of the facet's leaf.
@@ -105,19 +105,19 @@ impl<'a> Body<'a> {
         let vertices = &self.solids[self.leaf_of_facet[facet as usize] as usize].vertices;
         let at = |v: u32| vertices[v as usize].point;
         let loops = self.own_loops(facet);
-        let Some(&first) = loops.first().and_then(|w| w.first()) else { return Vec3::zeros() };
+        let Some(&first) = loops.outer().first() else { return Vec3::zeros() };
         let side = |[a, b]: [u32; 2]| (at(a) - at(first)).cross(&(at(b) - at(first)));
-        sides(loops).map(side).sum::<Vec3>().try_normalize(0.0).unwrap_or(Vec3::zeros())
+        sides(loops.iter()).map(side).sum::<Vec3>().try_normalize(0.0).unwrap_or(Vec3::zeros())
     }
     /// The box of a facet before the weld.
     pub fn bounds(&self, facet: u32) -> Aabb {
         let vertices = &self.solids[self.leaf_of_facet[facet as usize] as usize].vertices;
-        Aabb::around(self.own_loops(facet).first().into_iter().flatten().map(|&v| &vertices[v as usize].point))
+        Aabb::around(self.own_loops(facet).outer().iter().map(|&v| &vertices[v as usize].point))
     }
     /// The box of a facet over welded points.
     pub fn welded_bounds(&self, facet: u32) -> Aabb {
         let ids = self.points_of_leaf(self.leaf_of_facet[facet as usize]);
-        let outer = self.own_loops(facet).first().into_iter().flatten();
+        let outer = self.own_loops(facet).outer().iter();
         Aabb::around(outer.map(|&v| &self.points[ids[v as usize] as usize]))
     }
     /// A facet as the owner of a cell.

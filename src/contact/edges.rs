@@ -62,7 +62,7 @@ impl EdgeSet {
         for facet in facets() {
             let leaf = body.leaf_of_facet[facet as usize];
             let ids = body.points_of_leaf(leaf);
-            for walk in body.own_loops(facet) {
+            for walk in body.own_loops(facet).iter() {
                 for (k, &v) in walk.iter().enumerate() {
                     let (a, b) = (ids[v as usize], ids[walk[(k + 1) % walk.len()] as usize]);
                     if std::mem::replace(&mut last_leaf[a as usize], leaf) != leaf {

@@ -149,6 +149,9 @@ pub(super) fn passes(ends: &[Vec3; 2], x: &Vec3, tolerance: f64) -> bool {
 }
 
 /// Directed edges of loops.
-pub(super) fn sides(loops: &[Vec<u32>]) -> impl Iterator<Item = [u32; 2]> + '_ {
-    loops.iter().flat_map(|w| (0..w.len()).map(move |k| [w[k], w[(k + 1) % w.len()]]))
+pub(super) fn sides<'a, W: AsRef<[u32]> + ?Sized + 'a>(
+    loops: impl IntoIterator<Item = &'a W>,
+) -> impl Iterator<Item = [u32; 2]> {
+    let ends = |w: &'a [u32]| (0..w.len()).map(move |k| [w[k], w[(k + 1) % w.len()]]);
+    loops.into_iter().flat_map(move |w| ends(w.as_ref()))
 }

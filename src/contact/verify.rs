@@ -32,10 +32,10 @@ pub(super) fn verify(body: &Body, conforming: &Conforming, names: Names) -> Outc
     for (leaf, solid) in body.solids.iter().enumerate() {
         let points: Vec<Vec3> = solid.vertices.iter().map(|v| v.point - origins[leaf]).collect();
         let (mut before, mut area) = (0.0, 0.0);
-        for facet in &solid.facets {
-            let vector = vector_area(facet.loops.iter().map(Vec::as_slice), &points);
+        for facet in solid.facets.iter() {
+            let vector = vector_area(facet.loops.iter(), &points);
             area += vector.norm();
-            before += facet.loops.first().and_then(|w| w.first()).map_or(0.0, |&v| points[v as usize].dot(&vector) / 3.0);
+            before += facet.loops.outer().first().map_or(0.0, |&v| points[v as usize].dot(&vector) / 3.0);
         }
         let size = points.iter().fold(0.0, |m: f64, p| m.max(p.norm()));
         let slack = area * (body.tolerances.iter().fold(0.0, |m: f64, &t| m.max(t)) + VOLUME_ERROR * size);

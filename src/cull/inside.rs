@@ -84,7 +84,7 @@ fn any(each: impl Iterator<Item = Status>) -> Status {
 pub fn contains(solid: &Solid, p: &Vec3) -> Status {
     let at = |v: u32| solid.vertices[v as usize].point - p;
     let mut sum = 0.0;
-    for walk in solid.facets.iter().flat_map(|f| &f.loops) {
+    for walk in solid.facets.iter().flat_map(|f| f.loops.iter()) {
         for k in 2..walk.len() {
             let [a, b, c] = [walk[0], walk[k - 1], walk[k]].map(at);
             let (la, lb, lc) = (a.norm(), b.norm(), c.norm());

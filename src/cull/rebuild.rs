@@ -9,7 +9,7 @@ use crate::geom::Vec3;
 use crate::geom::hash::IndexMap;
 use crate::geom::polygon::vector_area;
 use crate::geom::union_find::UnionFind;
-use crate::primitive::solid::{Freedom, Solid, SolidFacet, SolidVertex};
+use crate::primitive::solid::{Facets, Freedom, Solid, SolidVertex};
 
 /// A side of an outline, between neighbouring points of a line.
 #[derive(Clone, Copy)]
@@ -63,7 +63,7 @@ fn turns(polygons: &[Polygon], count: usize) -> Vec<bool> {
 
 /// A leaf's solid with the polygons for its facets.
 fn solid(old: &Solid, polygons: &[Polygon], shapes: &Shapes, is_vertex: &[bool]) -> Solid {
-    let mut solid = Solid { vertices: old.vertices.clone(), facets: Vec::new(), surfaces: old.surfaces.clone() };
+    let mut solid = Solid { vertices: old.vertices.clone(), facets: Facets::default(), surfaces: old.surfaces.clone() };
     let first = polygons.first().map_or(0, |p| shapes.first[p.leaf as usize]);
     let mut number: IndexMap<u32, u32> = (0..old.vertices.len() as u32).map(|v| (first + v, v)).collect();
     let mut own = |v: u32| {
@@ -73,13 +73,13 @@ fn solid(old: &Solid, polygons: &[Polygon], shapes: &Shapes, is_vertex: &[bool])
         })
     };
     for polygon in polygons {
-        let source = &old.facets[polygon.piece.facet as usize];
+        let source = old.facets.of(polygon.piece.facet);
         let corners =
             |walk: &Vec<Side>| walk.iter().map(|s| s.ends[0]).filter(|&v| is_vertex[v as usize]).map(&mut own).collect();
         let mut loops: Vec<Vec<u32>> = polygon.loops.iter().map(corners).collect();
         // Facets with holes are not cut.
-        loops.extend(source.loops.iter().skip(1).cloned());
-        solid.facets.push(SolidFacet { loops, surface: source.surface });
+        loops.extend(source.loops.iter().skip(1).map(<[u32]>::to_vec));
+        solid.facets.push(loops, source.surface);
     }
     solid
 }

@@ -30,7 +30,7 @@ fn cut_solids_are_closed_and_most_pieces_are_set_aside() {
     for (solid, pieces) in culled.solids.iter().zip(&culled.pieces) {
         assert_eq!(solid.facets.len(), pieces.len());
         let mut edges: Vec<[u32; 2]> = Vec::new();
-        for walk in solid.facets.iter().flat_map(|f| &f.loops) {
+        for walk in solid.facets.iter().flat_map(|f| f.loops.iter()) {
             edges.extend((0..walk.len()).map(|k| [walk[k], walk[(k + 1) % walk.len()]]));
         }
         edges.sort_unstable();
@@ -42,7 +42,7 @@ fn cut_solids_are_closed_and_most_pieces_are_set_aside() {
         let of_solid = |(solid, pieces): (&Solid, &Vec<Piece>)| {
             let points: Vec<Vec3> = solid.vertices.iter().map(|v| v.point).collect();
             let facets = solid.facets.iter().zip(pieces).filter(|f| is_counted(f.1.fate));
-            facets.map(|(f, _)| vector_area(f.loops.iter().map(Vec::as_slice), &points).norm()).sum::<f64>()
+            facets.map(|(f, _)| vector_area(f.loops.iter(), &points).norm()).sum::<f64>()
         };
         culled.solids.iter().zip(&culled.pieces).map(of_solid).sum()
     };

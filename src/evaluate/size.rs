@@ -15,10 +15,10 @@ pub fn of(scene: &Scene, solids: &[Solid]) -> f64 {
         others.fold(Aabb::EMPTY, |all, (_, b)| all.union(b))
     };
     let all = around(usize::MAX);
-    let inner = (0..parts.len()).map(|k| (k, around(k))).find(|(k, others)| {
-        !others.is_empty() && (0..3).all(|a| parts[*k].lo[a] < others.lo[a] && others.hi[a] < parts[*k].hi[a])
-    });
-    let size = inner.map_or(all, |(_, others)| others).diagonal();
+    // A part that encloses all others is as large as all, and the first that is.
+    let others = parts.iter().position(|b| *b == all).map_or(Aabb::EMPTY, around);
+    let is_enclosed = !others.is_empty() && (0..3).all(|a| all.lo[a] < others.lo[a] && others.hi[a] < all.hi[a]);
+    let size = if is_enclosed { others } else { all }.diagonal();
     // Where the boxes tell that nothing is left, rounding is still that of the leaves.
     if size > 0.0 { size } else { leaves.iter().fold(Aabb::EMPTY, |all, b| all.union(b)).diagonal() }
 }

@@ -3,7 +3,7 @@ use crate::brep::model::Brep;
 use crate::diag::Span;
 use crate::geom::{Affine, Vec3};
 use crate::ids::{Id, IdVec};
-use crate::primitive::solid::{Freedom, Shape, SolidFacet, SolidSurface, SolidVertex};
+use crate::primitive::solid::{Freedom, Shape, SolidSurface, SolidVertex};
 use crate::scene::model::*;
 
 fn block(lo: [f64; 3], hi: [f64; 3]) -> Solid {
@@ -17,7 +17,7 @@ fn block(lo: [f64; 3], hi: [f64; 3]) -> Solid {
     let sides = ["z-", "z+", "y-", "y+", "x-", "x+"];
     Solid {
         vertices,
-        facets: quads.iter().enumerate().map(|(k, q)| SolidFacet { loops: vec![q.to_vec()], surface: k as u32 }).collect(),
+        facets: quads.iter().enumerate().map(|(k, q)| ([q.to_vec()], k as u32)).collect(),
         surfaces: sides.iter().map(|s| SolidSurface { side: (*s).to_string(), shape: Shape::Plane }).collect(),
     }
 }

@@ -48,6 +48,10 @@ impl<T: Copy + Default> Lists<T> {
     pub fn items(&self) -> &[T] {
         &self.items
     }
+    /// The same, to be changed.
+    pub fn items_mut(&mut self) -> &mut [T] {
+        &mut self.items
+    }
     /// Whether all lists are empty.
     pub fn is_empty(&self) -> bool {
         self.items.is_empty()

@@ -106,9 +106,9 @@ fn facets_have_their_corners_on_their_shapes() {
         let scene = crate::scene::parse("s", std::path::Path::new("."), &text, &[], &Default::default()).unwrap().0;
         for solid in crate::primitive::build(&scene).unwrap() {
             let at = |v: u32| solid.vertices[v as usize].point;
-            for facet in &solid.facets {
+            for facet in solid.facets.iter() {
                 let Some(support) = support_of_shape(&solid.surfaces[facet.surface as usize].shape) else { continue };
-                for p in facet.loops.iter().flatten().map(|&v| at(v)) {
+                for p in facet.loops.corners().map(at) {
                     assert!(
                         support.distance(&p) < 1e-12 * (1.0 + p.norm()),
                         "{text}\n{:?} {p:?}",

@@ -48,11 +48,7 @@ pub fn build(complex: &Complex, parts: &IdVec<PartId, Part>) -> Outcome<Plc> {
 
 /// All triangles of a complex and the regions on their sides, facet by facet.
 pub fn triangles_of(complex: &Complex) -> (Vec<[u32; 3]>, Vec<[crate::ids::RegionId; 2]>) {
-    let each = |f: &ComplexFacet| {
-        let sides = f.sides;
-        f.triangles.iter().map(move |t| (t.map(|v| v.0), sides)).collect::<Vec<_>>()
-    };
-    complex.facets.iter().flat_map(each).unzip()
+    complex.facets.iter().flat_map(|f| f.triangles.iter().map(|t| (t.map(|v| v.0), f.sides))).unzip()
 }
 
 /// A facet with a point in each of its holes; the error is a place on the hole that has none.

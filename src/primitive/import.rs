@@ -13,7 +13,7 @@ mod sides;
 
 use super::division::MAX_FACETS;
 use super::place::Place;
-use super::solid::{Freedom, Shape, Solid, SolidFacet, SolidSurface, SolidVertex};
+use super::solid::{Facets, Freedom, Shape, Solid, SolidSurface, SolidVertex};
 use crate::diag::{Diagnostic, short};
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
@@ -266,7 +266,7 @@ fn split_bent(surface: &mut Surface, file: &str) -> Result<(), Diagnostic> {
 fn finish(surface: Surface, freedoms: &[Freedom], groups: Vec<String>) -> Solid {
     let mut number = vec![u32::MAX; surface.points.len()];
     let mut vertices = Vec::with_capacity(surface.points.len());
-    let mut facets = Vec::with_capacity(surface.group_of.len());
+    let mut facets = Facets::default();
     for (walk, &group) in surface.polygons.iter().zip(&surface.group_of) {
         let mut vertex = |v: &u32| {
             let slot = *v as usize;
@@ -276,7 +276,7 @@ fn finish(surface: Surface, freedoms: &[Freedom], groups: Vec<String>) -> Solid 
             }
             number[slot]
         };
-        facets.push(SolidFacet { loops: vec![walk.iter().map(&mut vertex).collect()], surface: group });
+        facets.push([walk.iter().map(&mut vertex)], group);
     }
     let surfaces = groups.into_iter().map(|side| SolidSurface { side, shape: Shape::Sampled }).collect();
     Solid { vertices, facets, surfaces }

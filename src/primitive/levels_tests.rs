@@ -9,12 +9,12 @@ use std::f64::consts::{PI, TAU};
 fn triangles_on(solid: &Solid, is_on: impl Fn(Vec3) -> bool) -> Vec<[[i64; 3]; 3]> {
     let at = |v: u32| solid.vertices[v as usize].point;
     let key = |v: u32| at(v).map(|c| (c * 1e6).round() as i64).into();
-    let of = |walk: &Vec<u32>| {
+    let of = |walk: &[u32]| {
         let mut corners: [[i64; 3]; 3] = [key(walk[0]), key(walk[1]), key(walk[2])];
         corners.sort_unstable();
         corners
     };
-    let walks = solid.facets.iter().map(|f| &f.loops[0]).filter(|w| w.len() == 3 && w.iter().all(|&v| is_on(at(v))));
+    let walks = solid.facets.iter().map(|f| f.loops.outer()).filter(|w| w.len() == 3 && w.iter().all(|&v| is_on(at(v))));
     walks.map(of).collect()
 }
 

@@ -47,7 +47,7 @@ impl Shell {
                 return;
             }
         }
-        self.solid.facets.push(SolidFacet { loops: kept, surface });
+        self.solid.facets.push(kept, surface);
     }
     /// Puts vertices into the edge from one vertex to another, in that order, in all facets.
     pub fn cut(&mut self, [from, to]: [u32; 2], mut inner: Vec<u32>) {
@@ -75,14 +75,11 @@ impl Shell {
     /// The solid; vertices that no facet uses (centres of discs) are dropped.
     pub fn finish(mut self) -> Solid {
         if !self.cuts.is_empty() {
-            let mut facets = std::mem::take(&mut self.solid.facets);
-            for walk in facets.iter_mut().flat_map(|f| &mut f.loops) {
-                *walk = self.with_cuts(walk);
-            }
-            self.solid.facets = facets;
+            let with_cuts = |f: SolidFacet| (f.loops.iter().map(|walk| self.with_cuts(walk)).collect::<Vec<_>>(), f.surface);
+            self.solid.facets = self.solid.facets.iter().map(with_cuts).collect();
         }
         let mut number = vec![None; self.solid.vertices.len()];
-        for &v in self.solid.facets.iter().flat_map(|f| f.loops.iter().flatten()) {
+        for &v in self.solid.facets.corners() {
             number[v as usize] = Some(0);
         }
         for (next, slot) in number.iter_mut().flatten().enumerate() {
@@ -90,7 +87,7 @@ impl Shell {
         }
         let mut is_used = number.iter().map(Option::is_some);
         self.solid.vertices.retain(|_| is_used.next().unwrap_or(true));
-        for v in self.solid.facets.iter_mut().flat_map(|f| f.loops.iter_mut().flatten()) {
+        for v in self.solid.facets.corners_mut() {
             *v = number[*v as usize].unwrap_or(*v);
         }
         self.solid

@@ -1,5 +1,6 @@
 //! What a primitive becomes: a closed shell of planar facets with their true surfaces.
 
+use crate::geom::lists::Lists;
 use crate::geom::{Affine, Vec3};
 use crate::scene::model::Frame;
 
@@ -12,7 +13,7 @@ pub struct Solid {
     /// Vertices.
     pub vertices: Vec<SolidVertex>,
     /// Facets.
-    pub facets: Vec<SolidFacet>,
+    pub facets: Facets,
     /// True surfaces of the facets.
     pub surfaces: Vec<SolidSurface>,
 }
@@ -39,13 +40,93 @@ pub enum Freedom {
     Intersection,
 }
 
+/// The facets of a leaf solid, stored flat: imports have millions, and lists of each would be a tenth of all memory.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Facets {
+    /// All loops, facet by facet.
+    walks: Lists,
+    /// For each facet, the end of its loops.
+    ends: Vec<u32>,
+    surfaces: Vec<u32>,
+}
+
+impl Facets {
+    /// Adds a facet: see [`SolidFacet`].
+    pub fn push(&mut self, loops: impl IntoIterator<Item = impl IntoIterator<Item = u32>>, surface: u32) {
+        loops.into_iter().for_each(|walk| self.walks.push(walk));
+        self.ends.push(self.walks.count() as u32);
+        self.surfaces.push(surface);
+    }
+    /// Number of facets.
+    pub fn len(&self) -> usize {
+        self.ends.len()
+    }
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.ends.is_empty()
+    }
+    /// One facet.
+    pub fn of(&self, facet: u32) -> SolidFacet<'_> {
+        let k = facet as usize;
+        let first = if k == 0 { 0 } else { self.ends[k - 1] };
+        SolidFacet { loops: Walks { all: &self.walks, first, end: self.ends[k] }, surface: self.surfaces[k] }
+    }
+    /// All facets in order.
+    pub fn iter(&self) -> impl Iterator<Item = SolidFacet<'_>> + Clone {
+        (0..self.len() as u32).map(|k| self.of(k))
+    }
+    /// The vertex numbers of all loops.
+    pub fn corners(&self) -> &[u32] {
+        self.walks.items()
+    }
+    /// The vertex numbers of all loops, to be changed.
+    pub fn corners_mut(&mut self) -> &mut [u32] {
+        self.walks.items_mut()
+    }
+}
+
+impl<L: IntoIterator<Item = Vec<u32>>> FromIterator<(L, u32)> for Facets {
+    fn from_iter<I: IntoIterator<Item = (L, u32)>>(facets: I) -> Self {
+        let mut all = Self::default();
+        facets.into_iter().for_each(|(loops, surface)| all.push(loops, surface));
+        all
+    }
+}
+
 /// A planar facet of a leaf solid.
-#[derive(Clone, PartialEq, Debug)]
-pub struct SolidFacet {
+#[derive(Clone, Copy, Debug)]
+pub struct SolidFacet<'a> {
     /// Vertex numbers: outer loop first, counter-clockwise seen from outside, then holes, clockwise.
-    pub loops: Vec<Vec<u32>>,
+    pub loops: Walks<'a>,
     /// Index into [`Solid::surfaces`].
     pub surface: u32,
+}
+
+/// The loops of a facet.
+#[derive(Clone, Copy, Debug)]
+pub struct Walks<'a> {
+    all: &'a Lists,
+    first: u32,
+    end: u32,
+}
+
+impl<'a> Walks<'a> {
+    /// The first loop.
+    pub fn outer(self) -> &'a [u32] {
+        self.iter().next().unwrap_or(&[])
+    }
+    /// All loops.
+    pub fn iter(self) -> impl Iterator<Item = &'a [u32]> + Clone {
+        (self.first..self.end).map(move |k| self.all.of(k))
+    }
+    /// The corners of all loops.
+    pub fn corners(self) -> impl Iterator<Item = u32> + Clone {
+        self.iter().flatten().copied()
+    }
+    /// Number of loops.
+    pub fn count(self) -> usize {
+        (self.end - self.first) as usize
+    }
 }
 
 /// A source surface of a leaf solid: one named side.
@@ -97,4 +178,21 @@ pub enum Shape {
     },
     /// No formula: imported facets, supports are fitted.
     Sampled,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_facet_keeps_its_loops() {
+        let facets: Facets = [(vec![vec![0, 1, 2]], 0), (vec![vec![0, 2, 3, 4], vec![5, 6, 7]], 1)].into_iter().collect();
+        let loops = |k: u32| facets.of(k).loops.iter().map(<[u32]>::to_vec).collect::<Vec<_>>();
+        assert_eq!((facets.len(), facets.corners().len()), (2, 10));
+        assert_eq!((loops(0), facets.of(0).surface), (vec![vec![0, 1, 2]], 0));
+        assert_eq!(
+            (loops(1), facets.of(1).loops.outer(), facets.of(1).surface),
+            (vec![vec![0, 2, 3, 4], vec![5, 6, 7]], &[0, 2, 3, 4][..], 1)
+        );
+    }
 }

@@ -53,8 +53,8 @@ fn points(solid: &Solid) -> Vec<Vec3> {
 
 fn triangles(solid: &Solid) -> Vec<[u32; 3]> {
     let points = points(solid);
-    let cut = |f: &solid::SolidFacet| {
-        let loops: Vec<&[u32]> = f.loops.iter().map(Vec::as_slice).collect();
+    let cut = |f: solid::SolidFacet| {
+        let loops: Vec<&[u32]> = f.loops.iter().collect();
         triangulate(&loops, &[], &[], &points).unwrap_or_else(|e| panic!("{e:?} {f:?}"))
     };
     solid.facets.iter().flat_map(cut).collect()
@@ -77,12 +77,12 @@ pub(super) fn check(solid: &Solid) -> i64 {
     let mut edges: BTreeMap<(u32, u32), i32> = BTreeMap::new();
     let mut used = vec![false; p.len()];
     let mut holes = 0;
-    for facet in &solid.facets {
+    for facet in solid.facets.iter() {
         assert!((facet.surface as usize) < solid.surfaces.len());
-        holes += facet.loops.len() as i64 - 1;
-        let normal = vector_area(facet.loops.iter().map(Vec::as_slice), &p).normalize();
-        let at = p[facet.loops[0][0] as usize];
-        for walk in &facet.loops {
+        holes += facet.loops.count() as i64 - 1;
+        let normal = vector_area(facet.loops.iter(), &p).normalize();
+        let at = p[facet.loops.outer()[0] as usize];
+        for walk in facet.loops.iter() {
             assert!(walk.len() >= 3);
             for (k, &a) in walk.iter().enumerate() {
                 used[a as usize] = true;
@@ -136,7 +136,7 @@ pub(super) fn smallest_angle(solid: &Solid, side: &str) -> f64 {
     let p = points(solid);
     let mut smallest = 180f64;
     for f in solid.facets.iter().filter(|f| solid.surfaces[f.surface as usize].side == side) {
-        let w = &f.loops[0];
+        let w = f.loops.outer();
         assert_eq!(w.len(), 3);
         for k in 0..3 {
             let at = |i: usize| p[w[(k + i) % 3] as usize];
@@ -212,7 +212,7 @@ fn block_and_mirrored_block() {
     let solid = one(block);
     assert_eq!((check(&solid), volume(&solid)), (2, 48.0));
     let facet = solid.facets.iter().find(|f| solid.surfaces[f.surface as usize].side == "x+").unwrap();
-    assert!(facet.loops[0].iter().all(|v| solid.vertices[*v as usize].point.x == -1.0));
+    assert!(facet.loops.outer().iter().all(|v| solid.vertices[*v as usize].point.x == -1.0));
 }
 
 #[test]
@@ -322,7 +322,7 @@ fn rings_and_sectors_are_few_facets() {
     };
     let full = turned(0., 360.);
     assert_eq!((check(&full), full.facets.len()), (0, 50));
-    assert_eq!(full.facets.iter().filter(|f| f.loops.len() == 2).count(), 2);
+    assert_eq!(full.facets.iter().filter(|f| f.loops.count() == 2).count(), 2);
     near(volume(&full), chords(24., TAU) * (52. * 52. - 45. * 45.) * 100.);
     let part = turned(15., 60.);
     assert_eq!((check(&part), part.facets.len()), (2, 12));
@@ -430,7 +430,7 @@ fn racetrack_coil() {
             if !is_triangulated {
                 near(volume(&solid), area * 20.0);
                 assert_eq!(solid.facets.len(), 2 + 2 * (4 + 24));
-                assert_eq!(solid.facets.iter().filter(|f| f.loops.len() == 2).count(), 2);
+                assert_eq!(solid.facets.iter().filter(|f| f.loops.count() == 2).count(), 2);
             }
         }
     }

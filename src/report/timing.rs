@@ -44,16 +44,28 @@ impl fmt::Debug for Listener {
     }
 }
 
+impl StageTime {
+    fn add(&mut self, more: &Self) {
+        self.wall += more.wall;
+        self.cpu = self.cpu.zip(more.cpu).map(|(a, b)| a + b);
+    }
+}
+
 impl Timings {
-    /// Runs a stage and notes its times.
+    /// Runs a stage and notes its times; one that goes on where it stopped stays one.
     pub fn measure<T>(&mut self, stage: &'static str, work: impl FnOnce() -> T) -> T {
-        if let Some(begin) = self.on_begin {
+        let goes_on = self.stages.last().is_some_and(|last| last.stage == stage);
+        if let Some(begin) = self.on_begin.filter(|_| !goes_on) {
             begin(stage);
         }
         let (wall, cpu) = (Instant::now(), processor_time());
         let result = work();
         let cpu = processor_time().zip(cpu).map(|(after, before)| after - before);
-        self.stages.push(StageTime { stage, wall: wall.elapsed().as_secs_f64(), cpu });
+        let time = StageTime { stage, wall: wall.elapsed().as_secs_f64(), cpu };
+        match self.stages.last_mut().filter(|_| goes_on) {
+            Some(last) => last.add(&time),
+            None => self.stages.push(time),
+        }
         result
     }
 

@@ -106,30 +106,40 @@ fn corners<T>(loops: &[Vec<T>]) -> u32 {
     loops.iter().map(|walk| walk.len() as u32).sum()
 }
 
+/// The selected facets over exact points: all that rounding needs of the stages before.
+pub struct Exact {
+    /// Names, surfaces and dropped facets; no facets yet.
+    complex: Complex,
+    draft: Draft,
+    part_of_volume: Vec<Option<PartId>>,
+}
+
+impl Exact {
+    /// O(n).
+    pub fn new(selected: Selected, arrangement: &Arrangement, solids: &[Solid]) -> Self {
+        let (surfaces, surface_of) = surface_table(solids);
+        let draft = draft(selected.facets, arrangement, solids, surface_of);
+        let killed = killed(&selected.killed, arrangement);
+        let complex = Complex { surfaces, markers: selected.markers, killed, ..Default::default() };
+        Self { complex, draft, part_of_volume: selected.part_of_volume }
+    }
+}
+
 /// Rounds, triangulates, verifies and numbers.
 ///
 /// `tolerance`: that of the contact step, in the scene's unit; `size`: that of the model.
-pub fn round(
-    mut selected: Selected,
-    arrangement: &Arrangement,
-    solids: &[Solid],
-    tolerance: f64,
-    size: f64,
-) -> Result<Rounded, Diagnostic> {
-    let (surfaces, surface_of) = surface_table(solids);
-    let mut draft = draft(&mut selected, arrangement, solids, surface_of);
+pub fn round(exact: Exact, solids: &[Solid], tolerance: f64, size: f64) -> Result<Rounded, Diagnostic> {
+    let Exact { mut complex, mut draft, mut part_of_volume } = exact;
     let reach = PLANAR_ULPS * f64::EPSILON * draft.places.iter().fold(size, |m, p| m.max(p.amax()));
     dissolve::dissolve(&mut draft.loops, &draft.places, tolerance.max(reach));
-    let mut complex = Complex { surfaces, markers: std::mem::take(&mut selected.markers), ..Default::default() };
     fill(&mut complex, draft, reach)?;
-    let (repairs, checked) = settle(&mut complex, &mut selected.part_of_volume, reach)?;
+    let (repairs, checked) = settle(&mut complex, &mut part_of_volume, reach)?;
     let volumes = match checked {
         Ok(volumes) => volumes,
         Err(faults) => return Ok(Rounded::Broken { complex, faults }),
     };
-    renumber(&mut complex, &selected.part_of_volume, &volumes, reach)?;
+    renumber(&mut complex, &part_of_volume, &volumes, reach)?;
     freedom::assign(&mut complex, solids);
-    complex.killed = killed(&selected, arrangement);
     Ok(Rounded::Valid { complex, repairs })
 }
 
@@ -180,26 +190,26 @@ fn renumber(complex: &mut Complex, parts: &[Option<PartId>], found: &verify::Vol
 
 /// The selected facets; their sides are volumes.
 fn draft(
-    selected: &mut Selected,
+    mut selected: Vec<SelectedFacet>,
     arrangement: &Arrangement,
     solids: &[Solid],
     surface_of: impl Fn((LeafId, u32)) -> SurfaceId,
 ) -> Draft {
-    let loops: Vec<Vec<Vec<u32>>> = selected.facets.iter_mut().map(|f| std::mem::take(&mut f.loops)).collect();
+    let loops: Vec<Vec<Vec<u32>>> = selected.iter_mut().map(|f| std::mem::take(&mut f.loops)).collect();
     let describe = |f: &SelectedFacet| {
-        let source = &solids[f.source.0.index()].facets[f.source.1 as usize];
+        let source = solids[f.source.0.index()].facets.of(f.source.1);
         Lineage {
             sides: f.volumes.map(RegionId),
             surface: surface_of(f.source),
             source: f.source,
             marker: f.marker,
             is_modified: f.is_partial,
-            corners: corners(&source.loops),
+            corners: source.loops.corners().count() as u32,
         }
     };
-    let facets = selected.facets.iter().map(describe).collect();
+    let facets = selected.iter().map(describe).collect();
     // Their memory serves what follows.
-    selected.facets = Vec::new();
+    drop(selected);
     let places = (0..arrangement.points.len() as u32).map(|p| arrangement.points.at(p)).collect();
     Draft { facets, loops, places, explicit: arrangement.points.explicit_len() }
 }
@@ -248,15 +258,16 @@ fn surface_table(solids: &[Solid]) -> (IdVec<SurfaceId, ComplexSurface>, impl Fn
             surfaces.push(ComplexSurface { leaf: LeafId::new(leaf), side: s.side.clone(), shape: s.shape.clone() });
         }
     }
-    let of: Vec<Vec<u32>> = solids.iter().map(|s| s.facets.iter().map(|f| f.surface).collect()).collect();
-    (surfaces, move |(leaf, facet): (LeafId, u32)| SurfaceId(first[leaf.index()] + of[leaf.index()][facet as usize]))
+    let surface_of =
+        move |(leaf, facet): (LeafId, u32)| SurfaceId(first[leaf.index()] + solids[leaf.index()].facets.of(facet).surface);
+    (surfaces, surface_of)
 }
 
 /// Dropped pieces of sampled surfaces (their supports are fitted): the triangles that they lay on.
-fn killed(selected: &Selected, arrangement: &Arrangement) -> Vec<KilledFacet> {
-    let mut out = Vec::with_capacity(selected.killed.len());
+fn killed(cells: &[u32], arrangement: &Arrangement) -> Vec<KilledFacet> {
+    let mut out = Vec::with_capacity(cells.len());
     let mut last = u32::MAX;
-    for &cell in &selected.killed {
+    for &cell in cells {
         let triangle = arrangement.cells.triangle[cell as usize];
         if std::mem::replace(&mut last, triangle) == triangle {
             continue;

@@ -3,9 +3,11 @@
 use crate::brep::complex::{Complex, Region};
 use crate::diag::Diagnostic;
 use crate::geom::Vec3;
-use crate::geom::aabb::Aabb;
+use crate::geom::aabb::{Aabb, Segment};
+use crate::geom::bvh::Bvh;
+use crate::geom::hash::IndexMap;
 use crate::geom::predicates::{Sign, orient3d};
-use crate::ids::{FacetId, Id, IdVec, PartId, RegionId};
+use crate::ids::{FacetId, Id, IdVec, PartId, RegionId, VertexId};
 
 /// Directions tried before giving up; each fails only if the ray meets an edge exactly.
 const TRIES: u64 = 64;
@@ -42,9 +44,10 @@ pub fn number(complex: &mut Complex, part_of_volume: &[Option<PartId>], reach: f
     for shell in &mut shells {
         measure(shell, complex);
     }
-    for s in 0..shells.len() {
-        shells[s].home = if shells[s].volume > 0.0 { Some(s) } else { enclosing(complex, &shells, s, reach)? };
-    }
+    let mut outers = Outers::new(complex, &shells);
+    let mut home = |s: usize| if shells[s].volume > 0.0 { Ok(Some(s)) } else { outers.enclosing(s, reach) };
+    let all: Vec<Option<usize>> = (0..shells.len()).map(&mut home).collect::<Result<_, _>>()?;
+    shells.iter_mut().zip(all).for_each(|(shell, home)| shell.home = home);
     let mut homes: Vec<usize> = (0..shells.len()).filter(|&s| shells[s].home == Some(s)).collect();
     homes.sort_by_key(|&s| (shells[s].part.map_or(u32::MAX, |p| p.0), shells[s].sides.first().map(|x| x.0)));
     let mut regions = IdVec::from(vec![Region { part: None }]);
@@ -83,56 +86,99 @@ fn measure(shell: &mut Shell, complex: &Complex) {
     }
 }
 
-/// The smallest shell of the same part that encloses shell `s`; itself if rounding has hardly left anything of its volume;
-/// `None` if it lies in the outside.
-fn enclosing(complex: &Complex, shells: &[Shell], s: usize, reach: f64) -> Result<Option<usize>, Diagnostic> {
-    let mine = &shells[s];
-    let mut candidates: Vec<usize> = (0..shells.len())
-        .filter(|&c| shells[c].volume > 0.0 && mine.bounds.union(&shells[c].bounds) == shells[c].bounds)
-        .collect();
-    candidates.sort_by(|&a, &b| shells[a].volume.total_cmp(&shells[b].volume).then(a.cmp(&b)));
-    for c in candidates {
-        if shells[c].part == mine.part && encloses(complex, &shells[c], mine)? {
-            return Ok(Some(c));
-        }
-    }
-    if mine.part.is_none() {
-        return Ok(None);
-    }
-    if mine.volume.abs() <= reach * mine.area {
-        return Ok(Some(s));
-    }
-    let at = mine.sides.first().and_then(|f| corners(complex, f.0).next()).map_or(Vec3::zeros(), |t| t[0]);
-    Err(Diagnostic::internal("homeless-shell", "a part's volume has no outer boundary").near(at))
+/// The shells that can be outer boundaries.
+struct Outers<'a> {
+    complex: &'a Complex,
+    shells: &'a [Shell],
+    /// Their numbers, and a tree over their boxes.
+    numbers: Vec<usize>,
+    tree: Bvh,
+    /// Those that were asked about.
+    known: IndexMap<usize, Solid>,
 }
 
-/// Whether a vertex of `inner` that is not on `outer` lies inside `outer`.
-fn encloses(complex: &Complex, outer: &Shell, inner: &Shell) -> Result<bool, Diagnostic> {
-    let on_outer: std::collections::BTreeSet<_> =
-        outer.sides.iter().flat_map(|s| complex.facets[s.0].loops.iter().flatten().copied()).collect();
-    let mut free = inner.sides.iter().flat_map(|s| complex.facets[s.0].loops.iter().flatten().copied());
-    let Some(vertex) = free.find(|v| !on_outer.contains(v)) else {
-        // All vertices touch: decide by the middle of a triangle, which rounding moves by far less than its size.
-        let middle = inner.sides.first().and_then(|s| corners(complex, s.0).next()).map(|[a, b, c]| (a + b + c) / 3.0);
-        return middle.map_or(Ok(false), |p| is_inside(complex, outer, &p));
-    };
-    is_inside(complex, outer, &complex.vertices[vertex].point)
+impl<'a> Outers<'a> {
+    fn new(complex: &'a Complex, shells: &'a [Shell]) -> Self {
+        let numbers: Vec<usize> = (0..shells.len()).filter(|&s| shells[s].volume > 0.0).collect();
+        let tree = Bvh::new(numbers.iter().map(|&s| shells[s].bounds).collect());
+        Self { complex, shells, numbers, tree, known: IndexMap::default() }
+    }
+
+    /// The smallest shell of the same part that encloses shell `s`; itself if rounding has hardly left anything of its volume;
+    /// `None` if it lies in the outside.
+    fn enclosing(&mut self, s: usize, reach: f64) -> Result<Option<usize>, Diagnostic> {
+        let (shells, mine) = (self.shells, &self.shells[s]);
+        let mut candidates: Vec<usize> = Vec::new();
+        self.tree.search(|b| mine.bounds.union(b) == *b, |k| candidates.push(self.numbers[k as usize]));
+        candidates.retain(|&c| shells[c].part == mine.part);
+        candidates.sort_by(|&a, &b| shells[a].volume.total_cmp(&shells[b].volume).then(a.cmp(&b)));
+        for c in candidates {
+            if self.encloses(c, mine)? {
+                return Ok(Some(c));
+            }
+        }
+        if mine.part.is_none() {
+            return Ok(None);
+        }
+        if mine.volume.abs() <= reach * mine.area {
+            return Ok(Some(s));
+        }
+        let at = mine.sides.first().and_then(|f| corners(self.complex, f.0).next()).map_or(Vec3::zeros(), |t| t[0]);
+        Err(Diagnostic::internal("homeless-shell", "a part's volume has no outer boundary").near(at))
+    }
+
+    /// Whether a vertex of `inner` that is not on `outer` lies inside `outer`.
+    fn encloses(&mut self, outer: usize, inner: &Shell) -> Result<bool, Diagnostic> {
+        let (complex, shells) = (self.complex, self.shells);
+        let outer = &*self.known.entry(outer).or_insert_with(|| Solid::new(complex, &shells[outer]));
+        let mut free = inner.sides.iter().flat_map(|s| complex.facets[s.0].loops.iter().flatten().copied());
+        let Some(vertex) = free.find(|v| outer.vertices.binary_search(v).is_err()) else {
+            // All vertices touch: decide by the middle of a triangle, which rounding moves by far less than its size.
+            let middle = inner.sides.first().and_then(|s| corners(complex, s.0).next()).map(|[a, b, c]| (a + b + c) / 3.0);
+            return middle.map_or(Ok(false), |p| outer.has(&p));
+        };
+        outer.has(&complex.vertices[vertex].point)
+    }
 }
 
-fn is_inside(complex: &Complex, shell: &Shell, p: &Vec3) -> Result<bool, Diagnostic> {
-    for attempt in 0..TRIES {
-        let f = |x: f64| ((attempt + 1) as f64 * x).fract() - 0.5;
-        let direction = Vec3::new(f(0.754_877_666_2) + 0.1, f(0.569_840_290_9) + 0.2, 0.6 + f(0.819_172_513_4).abs());
-        let far = shell.bounds.center() + direction.normalize() * (2.0 * shell.bounds.diagonal());
-        let count = shell
-            .sides
-            .iter()
-            .try_fold(0u32, |n, s| corners(complex, s.0).try_fold(n, |n, t| Some(n + u32::from(crosses(p, &far, &t)?))));
-        if let Some(n) = count {
-            return Ok(n % 2 == 1);
-        }
+/// A shell, prepared for rays.
+struct Solid {
+    /// Ascending.
+    vertices: Vec<VertexId>,
+    triangles: Vec<[Vec3; 3]>,
+    tree: Bvh,
+}
+
+impl Solid {
+    fn new(complex: &Complex, shell: &Shell) -> Self {
+        let facets = || shell.sides.iter().map(|s| &complex.facets[s.0]);
+        let mut vertices: Vec<VertexId> = facets().flat_map(|f| f.loops.iter().flatten().copied()).collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        let triangles: Vec<[Vec3; 3]> = shell.sides.iter().flat_map(|s| corners(complex, s.0)).collect();
+        let tree = Bvh::new(triangles.iter().map(Aabb::around).collect());
+        Self { vertices, triangles, tree }
     }
-    Err(Diagnostic::internal("ray", "every ray from a point meets an edge").near(*p))
+
+    /// Whether a point lies inside.
+    fn has(&self, p: &Vec3) -> Result<bool, Diagnostic> {
+        let bounds = self.tree.bounds();
+        for attempt in 0..TRIES {
+            let f = |x: f64| ((attempt + 1) as f64 * x).fract() - 0.5;
+            let direction = Vec3::new(f(0.754_877_666_2) + 0.1, f(0.569_840_290_9) + 0.2, 0.6 + f(0.819_172_513_4).abs());
+            let far = bounds.center() + direction.normalize() * (2.0 * bounds.diagonal());
+            let segment = Segment::new(p, &far);
+            let mut count = Some(0u32);
+            self.tree.search(
+                |b| segment.may_meet(b, 1.0),
+                |t| count = count.and_then(|n| Some(n + u32::from(crosses(p, &far, &self.triangles[t as usize])?))),
+            );
+            if let Some(n) = count {
+                return Ok(n % 2 == 1);
+            }
+        }
+        Err(Diagnostic::internal("ray", "every ray from a point meets an edge").near(*p))
+    }
 }
 
 /// Whether the segment crosses the triangle; `None` if it meets its boundary.

@@ -19,10 +19,28 @@ const PARTS: [&str; 3] = [
 
 fn complex() -> Complex {
     let parts: Vec<String> = PARTS.iter().enumerate().map(|(k, s)| format!("Part(name: \"p{k}\", solid: {s})")).collect();
-    let text = format!("Scene(units: \"mm\", remesh: Off, parts: [{}])", parts.join(", "));
+    complex_of(&parts.join(", "))
+}
+
+fn complex_of(parts: &str) -> Complex {
+    let text = format!("Scene(units: \"mm\", remesh: Off, parts: [{parts}])");
     let (scene, _) = scene::parse("shaken", std::path::Path::new("."), &text, &[], &Limits::default()).unwrap();
     let solids = crate::primitive::build(&scene).unwrap();
     evaluate(&scene, &solids, &mut Timings::default()).unwrap().complex
+}
+
+#[test]
+fn cavities_of_a_ball_of_many_facets_are_voids_of_its_region() {
+    // Rays from the second cavity on search the ball's facets by a tree.
+    let cubes = "Block(size: (1, 1, 1), center: (-3, 0, 0)), Block(size: (1, 1, 1), center: (0, 0, 0)), \
+                 Block(size: (1, 1, 1), center: (3, 0, 0))";
+    let complex = complex_of(&format!("Part(name: \"ball\", solid: Difference([Sphere(radius: 10), {cubes}]))"));
+    let whole = complex_of("Part(name: \"ball\", solid: Sphere(radius: 10))");
+    assert_eq!(complex.regions.iter().map(|r| r.part.is_some()).collect::<Vec<_>>(), [false, true, false, false, false]);
+    let (volumes, solid) = (measure(&complex).volumes, measure(&whole).volumes);
+    let found: Vec<f64> = volumes.iter().copied().skip(1).collect();
+    let expected = [solid.iter().nth(1).unwrap() - 3.0, 1.0, 1.0, 1.0];
+    assert!(found.iter().zip(expected).all(|(v, e)| (v - e).abs() < 1e-9), "{found:?}");
 }
 
 /// The facets over other places.

@@ -132,7 +132,7 @@ fn is_of(selection: &BoundarySelection, solids: &[Solid], arrangement: &Arrangem
         BoundarySelection::Outer => parts[1] == OUTSIDE,
         BoundarySelection::Sides(sides) => arrangement.cells.owners_of(cell).iter().any(|owner| {
             let solid = &solids[owner.leaf.index()];
-            let surface = &solid.surfaces[solid.facets[owner.facet as usize].surface as usize];
+            let surface = &solid.surfaces[solid.facets.of(owner.facet).surface as usize];
             let from = sides.partition_point(|(leaf, _)| *leaf < owner.leaf);
             let own = sides[from..].iter().take_while(|(leaf, _)| *leaf == owner.leaf);
             own.into_iter().any(|(_, side)| side.as_ref().is_none_or(|s| *s == surface.side))

@@ -4,6 +4,7 @@ use super::SelectedFacet;
 use crate::arrangement::Arrangement;
 use crate::classify::EdgeUses;
 use crate::contact::conforming::Owner;
+use crate::geom::hash::IndexSet;
 use crate::geom::union_find::UnionFind;
 use crate::ids::{Id, LeafId, MarkerId};
 
@@ -172,9 +173,15 @@ fn keep_lone_points(facets: &mut [SelectedFacet], count: usize, inner: impl Iter
     for &p in facets.iter().flat_map(|f| f.loops.iter().flatten()) {
         is_on_rim[p as usize] = true;
     }
-    for (point, facet) in inner {
+    // What the facets that have such points list, by facet and point: some have thousands of both.
+    let mut listed: IndexSet<(u32, u32)> = IndexSet::default();
+    let mut is_known = vec![false; facets.len()];
+    for (point, facet) in inner.filter(|&(point, _)| is_on_rim[point as usize]) {
         let loops = &mut facets[facet as usize].loops;
-        if is_on_rim[point as usize] && !loops.iter().any(|l| l.contains(&point)) {
+        if !std::mem::replace(&mut is_known[facet as usize], true) {
+            listed.extend(loops.iter().flatten().map(|&p| (facet, p)));
+        }
+        if listed.insert((facet, point)) {
             loops.push(vec![point]);
         }
     }

@@ -90,9 +90,9 @@ fn stray(scene: &Scene, solids: &[Solid], complex: &Complex) -> Option<String> {
     complex.facets.iter().find_map(|facet| {
         let (leaf, number) = facet.source;
         let solid = &solids[leaf.index()];
-        let source = &solid.facets[number as usize];
+        let source = solid.facets.of(number);
         let at = |v: u32| solid.vertices[v as usize].point;
-        let walk = &source.loops[0];
+        let walk = source.loops.outer();
         let corners = (1..walk.len() - 1).map(|k| [at(walk[0]), at(walk[k]), at(walk[k + 1])]);
         let normal = corners.map(|[a, b, c]| (b - a).cross(&(c - a))).sum::<Vec3>().normalize();
         let height = |p: Vec3| (p - at(walk[0])).dot(&normal).abs();

@@ -92,10 +92,6 @@ fn a_cylinder_on_a_plate_touches_along_one_edge() {
     }
 }
 
-fn flipped(solid: &Solid) -> Vec<SolidFacet> {
-    solid
-        .facets
-        .iter()
-        .map(|f| SolidFacet { loops: f.loops.iter().map(|w| w.iter().rev().copied().collect()).collect(), surface: 0 })
-        .collect()
+fn flipped(solid: &Solid) -> Facets {
+    solid.facets.iter().map(|f| (f.loops.iter().map(|w| w.iter().rev().copied().collect()).collect::<Vec<_>>(), 0)).collect()
 }

@@ -11,14 +11,14 @@ use super::conforming::Conforming;
 use crate::diag::{Name, Outcome};
 use crate::geom::Vec3;
 use crate::ids::LeafId;
-use crate::primitive::solid::{Freedom, Shape, Solid, SolidFacet, SolidSurface, SolidVertex};
+use crate::primitive::solid::{Facets, Freedom, Shape, Solid, SolidSurface, SolidVertex};
 use nalgebra::Rotation3;
 
 /// A solid from vertices and facets of one loop each.
 fn solid(vertices: impl IntoIterator<Item = Vec3>, facets: impl IntoIterator<Item = Vec<u32>>) -> Solid {
     Solid {
         vertices: vertices.into_iter().map(|point| SolidVertex { point, freedom: Freedom::Fixed }).collect(),
-        facets: facets.into_iter().map(|w| SolidFacet { loops: vec![w], surface: 0 }).collect(),
+        facets: facets.into_iter().map(|w| ([w], 0)).collect(),
         surfaces: vec![SolidSurface { side: "side".into(), shape: Shape::Plane }],
     }
 }
@@ -45,9 +45,9 @@ fn prism(n: u32, radius: f64, z: [f64; 2], phase: f64, center: [f64; 2]) -> Soli
 
 /// Every facet cut into a fan of triangles, as an import has them.
 fn triangulated(solid: &Solid) -> Solid {
-    let fan = |w: &Vec<u32>| (1..w.len() - 1).map(|k| vec![w[0], w[k], w[k + 1]]).collect::<Vec<_>>();
-    let facets = solid.facets.iter().flat_map(|f| fan(&f.loops[0]));
-    Solid { facets: facets.map(|w| SolidFacet { loops: vec![w], surface: 0 }).collect(), ..solid.clone() }
+    let fan = |w: &[u32]| (1..w.len() - 1).map(|k| vec![w[0], w[k], w[k + 1]]).collect::<Vec<_>>();
+    let facets = solid.facets.iter().flat_map(|f| fan(f.loops.outer()));
+    Solid { facets: facets.map(|w| ([w], 0)).collect(), ..solid.clone() }
 }
 
 fn moved(solid: &Solid, map: impl Fn(Vec3) -> Vec3) -> Solid {

@@ -31,9 +31,9 @@ fn cube_of_quadrilaterals() {
     assert_eq!((solid.vertices.len(), solid.facets.len()), (8, 6));
     assert!(solid.vertices.iter().all(|v| v.freedom == Freedom::Fixed));
     assert!(solid.vertices.iter().any(|v| v.point == Vec3::new(2., 2., 2.)));
-    let top = solid.facets.iter().find(|f| f.loops[0].iter().all(|v| solid.vertices[*v as usize].point.z == 2.)).unwrap();
+    let top = solid.facets.iter().find(|f| f.loops.outer().iter().all(|v| solid.vertices[*v as usize].point.z == 2.)).unwrap();
     let points: Vec<Vec3> = solid.vertices.iter().map(|v| v.point).collect();
-    assert_eq!(vector_area([&top.loops[0][..]], &points), Vec3::new(0., 0., 4.));
+    assert_eq!(vector_area([top.loops.outer()], &points), Vec3::new(0., 0., 4.));
 }
 
 #[test]
@@ -86,7 +86,7 @@ fn pieces_of_a_plane_become_one_polygon() {
     let corners = |text: &str, name: &str| {
         let solid = read(name, text).unwrap();
         assert!(solid.vertices.iter().all(|v| v.freedom != Freedom::Edge));
-        let mut corners: Vec<usize> = solid.facets.iter().map(|f| f.loops[0].len()).collect();
+        let mut corners: Vec<usize> = solid.facets.iter().map(|f| f.loops.outer().len()).collect();
         corners.sort_unstable();
         corners
     };
