@@ -101,7 +101,8 @@ impl Pieces {
     /// Triangulates the polygons of stretched pieces again; pieces with polygons of which none can be made.
     fn renew_polygons(&self, complex: &mut Complex) -> Vec<usize> {
         let points: Vec<Vec3> = complex.vertices.iter().map(|v| v.point).collect();
-        let flatness = PLANAR_ULPS * f64::EPSILON * points.iter().fold(Aabb::around(&points).diagonal(), |m, p| m.max(p.amax()));
+        let flatness =
+            PLANAR_ULPS * f64::EPSILON * points.iter().fold(Aabb::around(&points).diagonal(), |m, p| m.max(p.amax()));
         let mut unsound = Vec::new();
         for facet in complex.facets.iter_mut().filter(|f| f.triangles.len() > 1) {
             let piece = self.of_facet(facet);
@@ -141,4 +142,3 @@ fn is_bent(facet: &ComplexFacet, complex: &Complex) -> bool {
     let is_along_axes = (0..3).any(|k| facet.loops.iter().flatten().all(|&v| complex.vertices[v].point[k] == a[k]));
     !is_along_axes && facet.loops.iter().flatten().any(|&v| orient3d(&a, &b, &c, &complex.vertices[v].point) != 0)
 }
-

@@ -23,7 +23,23 @@ const WITHOUT_BREP: [&str; 6] = ["scene", "primitive", "cull", "contact", "arran
 const OTHERS: [(&str, &[&str]); 8] = [
     // Table of contents of the evaluator and of the whole.
     ("evaluate", &["scene", "primitive", "cull", "contact", "arrangement", "classify", "patch", "select", "round", "brep"]),
-    ("pipeline", &["scene", "primitive", "arrangement", "round", "evaluate", "remesh", "position", "patch", "brep", "plc", "io", "report"]),
+    (
+        "pipeline",
+        &[
+            "scene",
+            "primitive",
+            "arrangement",
+            "round",
+            "evaluate",
+            "remesh",
+            "position",
+            "patch",
+            "brep",
+            "plc",
+            "io",
+            "report",
+        ],
+    ),
     // The check of a complex names what it finds by the manifest, which is a file format.
     ("plc", &["scene", "primitive", "brep", "io"]),
     ("io", &["scene", "brep", "plc"]),

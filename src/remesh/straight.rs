@@ -71,7 +71,11 @@ pub(super) fn cut_unsound(complex: &mut Complex, evaluated: &Complex) {
         if facet.triangles.len() == 1 {
             facets.push(facet);
         } else if is_planar(&walks, &points, flatness) {
-            let corners: Vec<VertexId> = straight_corners(&facet.loops, &points).into_iter().map(|way| way[1]).filter(|v| !known.contains(&bits(&points[v.index()]))).collect();
+            let corners: Vec<VertexId> = straight_corners(&facet.loops, &points)
+                .into_iter()
+                .map(|way| way[1])
+                .filter(|v| !known.contains(&bits(&points[v.index()])))
+                .collect();
             if corners.is_empty() {
                 facets.push(facet);
             } else {

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::geom::Affine;
+use crate::primitive::solid::SolidFacet;
 use crate::scene::model::{Division, Primitive};
 
 const CUBE: &str = "OFF\n8 6 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n1 1 1\n0 1 1\n\
@@ -129,7 +130,7 @@ fn with_flat_facet(x: f64) -> String {
 fn facets_without_area_become_a_part_of_their_neighbor() {
     let solid = read("q.stl", &with_flat_facet(0.25)).unwrap();
     assert_eq!(solid.vertices.len(), 5);
-    let mut corners: Vec<usize> = solid.facets.iter().map(|f| f.loops[0].len()).collect();
+    let mut corners: Vec<usize> = solid.facets.iter().map(|f| f.loops.outer().len()).collect();
     corners.sort_unstable();
     // Below, the two pieces of the plane became one polygon, which keeps the vertex on its border.
     assert_eq!(corners, [3, 3, 4, 4]);
@@ -182,8 +183,8 @@ fn shells_are_turned_by_what_they_lie_in() {
         let solid = read("u.off", &cubes(all)).map_err(|fault| fault.code)?;
         let origin = solid.vertices[0].point;
         let p = |v: u32| solid.vertices[v as usize].point - origin;
-        let six = |f: &SolidFacet| -> f64 {
-            let walk = &f.loops[0];
+        let six = |f: SolidFacet| -> f64 {
+            let walk = f.loops.outer();
             (2..walk.len()).map(|k| p(walk[0]).dot(&p(walk[k - 1]).cross(&p(walk[k])))).sum()
         };
         // The file is read at a scale of 2.
