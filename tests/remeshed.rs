@@ -69,3 +69,20 @@ fn a_wall_that_touches_a_rod_stays_whole() {
     let (least, below, _) = shape("tangent", "full", scene);
     assert!(least > 30.0 && below == 0.0, "{least} {below}");
 }
+
+/// Every surface keeps a deviation of its own: once the sphere of air set that of the wire in it, which lost half of its volume.
+#[test]
+fn a_wire_stays_a_wire_in_a_large_sphere_of_air() {
+    let folder = folder("remeshed-wire");
+    let file = folder.join("scene.ron");
+    let scene = r#"Scene(units: "mm", parts: [
+        Part(name: "air", solid: Sphere(radius: 100)),
+        Part(name: "wire", solid: Torus(major_radius: 10, minor_radius: 0.8)),
+    ])"#;
+    std::fs::write(&file, scene).unwrap();
+    let parts = &build(&file, &["--remesh", "full"], &folder)["parts"];
+    let wire = parts.as_array().unwrap().iter().find(|p| p["part"] == "wire").unwrap();
+    let exact = 2.0 * std::f64::consts::PI.powi(2) * 10.0 * 0.8 * 0.8;
+    let volume = wire["volume"].as_f64().unwrap();
+    assert!((volume / exact - 1.0).abs() < 0.04, "{volume} {exact}");
+}

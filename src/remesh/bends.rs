@@ -195,13 +195,13 @@ impl Workpiece {
 
     /// Multiple of the bound within which triangles stay that were like this.
     fn allowed(&self, before: Measure) -> f64 {
-        before.excess.max(1.0) * self.bound.slack()
+        before.excess.max(1.0) * self.bounds.slack()
     }
 
     /// Whether a point of a facet deviates by at most `allowed` times the bound.
     fn is_allowed_at(&self, support: &Support, facet: FacetId, point: &Vec3, allowed: f64) -> bool {
         let foot = support.nearest(point);
-        (foot.point - point).norm() <= allowed * self.bound.along(foot.curvature) * self.share(facet)
+        (foot.point - point).norm() <= allowed * self.bound_on(facet).along(foot.curvature) * self.share(facet)
     }
 
     /// What the triangles around a vertex become if it moves there; `None` if that is not allowed, or if an angle gets smaller

@@ -1,5 +1,6 @@
 //! Feature edges, their chains between corners, and the place of every vertex.
 
+use super::sizing::Bound;
 use super::workpiece::{CurveId, Place, Workpiece, sorted};
 use crate::brep::store::EdgeId;
 use crate::geom::Vec3;
@@ -52,7 +53,8 @@ impl Workpiece {
         for (vertex, direction) in self.choice.slides.clone() {
             let is_inner = self.brep.topology.edges_at(vertex).all(|e| !self.brep.is_feature(e));
             if is_inner && self.place(vertex) == Place::Corner {
-                let curve = self.curves.push(Curve::Line { origin: self.point(vertex), direction });
+                let star: Vec<FacetId> = self.brep.topology.facets_at(vertex).collect();
+                let curve = self.add_curve(Curve::Line { origin: self.point(vertex), direction }, &star);
                 self.places[vertex.index()] = Place::Curve(curve);
             }
         }
@@ -118,8 +120,16 @@ impl Workpiece {
         let points: Vec<Vec3> = chain.iter().map(|&v| self.point(v)).collect();
         let supports = self.crossing_supports(edge, &points);
         let is_cut = chain.iter().any(|&v| self.brep.vertices[v].freedom == Freedom::Intersection);
-        let curve = self.curves.push(Curve::of_chain(&points, &supports, is_cut));
+        let around: Vec<FacetId> = self.brep.topology.facets_around(edge).collect();
+        let curve = self.add_curve(Curve::of_chain(&points, &supports, is_cut), &around);
         self.enter_chain(&chain, curve, is_closed);
+    }
+
+    /// Enters a curve beside some facets.
+    pub fn add_curve(&mut self, curve: Curve, facets: &[FacetId]) -> CurveId {
+        let bounds = facets.iter().map(|&f| self.bound_on(f));
+        self.curve_bounds.push(bounds.reduce(Bound::stricter).unwrap_or(Bound::Fixed(f64::INFINITY)));
+        self.curves.push(curve)
     }
 
     fn enter_chain(&mut self, chain: &[VertexId], curve: CurveId, is_closed: bool) {

@@ -75,7 +75,7 @@ use crate::patch::support::Support;
 use crate::scene::model::{Part, RemeshMode, RemeshOptions};
 use bands::Choice;
 use history::History;
-use sizing::{Bound, Limits};
+use sizing::{Bound, Bounds, Limits};
 use std::collections::HashMap;
 use std::sync::Arc;
 use verify::Fault;
@@ -212,7 +212,8 @@ impl Workpiece {
             sense: Vec::new(),
             places: Vec::new(),
             sizes: Vec::new(),
-            bound: Bound::Fixed(size),
+            bounds: Bounds::Given(size),
+            curve_bounds: IdVec::new(),
             shares,
             choice,
             obtuse: 0.0,
@@ -225,9 +226,9 @@ impl Workpiece {
     fn prepare(&mut self, options: &RemeshOptions, parts: &IdVec<PartId, Part>) -> Limits {
         let size = Aabb::around(self.brep.vertices.iter().map(|v| &v.point)).diagonal();
         let treated = self.chosen();
-        self.bound = match options.max_deviation {
-            Some(d) => Bound::Fixed(d),
-            None => self.present_bound(&treated, size),
+        self.bounds = match options.max_deviation {
+            Some(d) => Bounds::Given(d),
+            None => self.present_bounds(&treated, size),
         };
         let limits = Limits::of(self, size, parts);
         self.divide(&treated);
@@ -254,10 +255,16 @@ impl Workpiece {
         facets.filter(|&f| self.choice.is_chosen[f.index()]).collect()
     }
 
-    /// The default bound (equation 4.1).
-    fn present_bound(&self, treated: &[FacetId], size: f64) -> Bound {
-        let triangles = treated.iter().filter_map(|&f| self.support(f).map(|s| (f, s)));
-        Bound::of_facets(triangles.flat_map(|(f, s)| self.brep.triangles(f).map(move |t| (s, t.map(|v| self.point(v))))), size)
+    /// The default bounds (equation 4.1).
+    fn present_bounds(&self, treated: &[FacetId], size: f64) -> Bounds {
+        let mut facets: IdVec<SurfaceId, Vec<FacetId>> = self.supports.iter().map(|_| Vec::new()).collect();
+        treated.iter().for_each(|&f| facets[self.brep.facets[f].surface].push(f));
+        let triangles = |f: &FacetId| self.brep.triangles(*f).map(|t| t.map(|v| self.point(v)));
+        let bound = |(support, facets): (&Option<Arc<Support>>, &Vec<FacetId>)| match support {
+            Some(support) => Bound::of_facets(support, facets.iter().flat_map(triangles), size),
+            None => Bound::Fixed(size),
+        };
+        Bounds::Present(self.supports.iter().zip(facets.iter()).map(bound).collect())
     }
 
     /// Cuts the treated polygons into triangles and enters all treated triangles.

@@ -142,7 +142,7 @@ impl Workpiece {
         let is_exact = direction.iter().filter(|&&x| x == 0.0).count() == 2;
         let out = if is_exact { 0.0 } else { TRACE * (b - a).norm() };
         let origin = a + direction.cross(&self.normal(strip)) * out;
-        Some(self.curves.push(Curve::Line { origin, direction }))
+        Some(self.add_curve(Curve::Line { origin, direction }, &[strip]))
     }
 
     fn split_keeps_sense(&self, facet: FacetId, [a, b]: [VertexId; 2], at: &Vec3) -> bool {

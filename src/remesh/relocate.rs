@@ -72,7 +72,7 @@ impl Workpiece {
                 return None;
             }
             let foot = support.nearest(&point);
-            is_home &= (foot.point - point).norm() <= AT_HOME * self.bound.along(foot.curvature);
+            is_home &= (foot.point - point).norm() <= AT_HOME * self.bound_on(facet).along(foot.curvature);
             supports.push((support, foot.normal));
         }
         if is_home {

@@ -168,7 +168,7 @@ impl Ring<'_> {
             // Of the edges only the one that follows the vertex is looked at: around it each edge follows it in one triangle,
             // and the others do not change.
             let next = spoke.corners[(spoke.at + 1) % 3];
-            let (deviation, is_flipped) = area.deviation(&self.work.bound, &spoke.moved(to), &[(to + next) * 0.5]);
+            let (deviation, is_flipped) = area.deviation(&spoke.moved(to), &[(to + next) * 0.5]);
             after.excess = after.excess.max(deviation);
             after.is_flipped |= is_flipped;
             if after.is_flipped && !self.before.is_flipped || after.excess > excess {

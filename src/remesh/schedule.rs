@@ -371,9 +371,9 @@ impl Workpiece {
         }
         let middle = (a + b) * 0.5;
         let facet = self.brep.topology.facets_around(edge).find(|&f| self.is_treated(f));
-        facet.and_then(|f| self.support(f)).map_or(0.0, |s| {
-            let foot = s.nearest(&middle);
-            (foot.point - middle).norm() / (self.bound.along(foot.curvature) * facet.map_or(1.0, |f| self.share(f)))
+        facet.and_then(|f| Some((f, self.support(f)?))).map_or(0.0, |(f, support)| {
+            let foot = support.nearest(&middle);
+            (foot.point - middle).norm() / (self.bound_on(f).along(foot.curvature) * self.share(f))
         })
     }
 

@@ -11,7 +11,7 @@ use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
 use crate::geom::polygon::is_planar;
 use crate::geom::predicates::{Projection, orient2d};
-use crate::ids::{Id, IdVec, VertexId};
+use crate::ids::{FacetId, Id, IdVec, VertexId};
 use crate::patch::curve::Curve;
 use crate::round::PLANAR_ULPS;
 use std::collections::HashSet;
@@ -30,7 +30,7 @@ impl Workpiece {
         let points: Vec<Vec3> = self.brep.vertices.iter().map(|v| v.point).collect();
         let topology = &self.brep.topology;
         let polygons = topology.facets().filter(|&f| self.corners(f).is_none());
-        let mut moves: Vec<(VertexId, Vec3, Vec3)> = Vec::new();
+        let mut moves: Vec<(VertexId, Vec3, Vec3, FacetId)> = Vec::new();
         for facet in polygons {
             let loops: Vec<Vec<VertexId>> = topology.loops(facet).map(|w| topology.corners(w).collect()).collect();
             let normal = self.normal(facet);
@@ -43,15 +43,15 @@ impl Workpiece {
                     if topology.facets_at(at).all(|f| f == facet || self.is_treated(f)) {
                         let here = self.point(at);
                         let way = TRACE * (here - from).norm() * (to - here).norm() / length;
-                        moves.push((at, here + out * way, direction));
+                        moves.push((at, here + out * way, direction, facet));
                     }
                 }
             }
         }
-        for (vertex, origin, direction) in moves {
+        for (vertex, origin, direction, facet) in moves {
             self.relocate(vertex, origin);
             if matches!(self.place(vertex), Place::Curve(_)) {
-                self.places[vertex.index()] = Place::Curve(self.curves.push(Curve::Line { origin, direction }));
+                self.places[vertex.index()] = Place::Curve(self.add_curve(Curve::Line { origin, direction }, &[facet]));
             }
         }
     }

@@ -147,7 +147,7 @@ pub fn polished(complex: Complex, max_deviation: f64) -> Workpiece {
     let choice = Choice::all(&complex, &supports);
     let shares = vec![1.0; complex.surfaces.len()];
     let mut work = Workpiece::new(complex, supports, shares, choice).unwrap();
-    work.bound = Bound::Fixed(max_deviation);
+    work.bounds = Bounds::Given(max_deviation);
     let treated = work.chosen();
     let limits = Limits::of(&work, 1.0, &IdVec::new());
     work.divide(&treated);

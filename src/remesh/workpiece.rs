@@ -3,7 +3,7 @@
 use super::bands::Choice;
 use super::history::History;
 use super::quality::{is_needle, sharpest_cosine};
-use super::sizing::Bound;
+use super::sizing::{Bound, Bounds};
 use crate::brep::model::Brep;
 use crate::brep::store::EdgeId;
 use crate::declare_ids;
@@ -69,6 +69,7 @@ pub(super) struct Area<'a> {
     support: &'a Support,
     /// +1 if the triangle's normal has the sense of its support's, else -1.
     sense: f64,
+    bound: Bound,
     /// Share of the bound that it may use.
     share: f64,
 }
@@ -76,12 +77,12 @@ pub(super) struct Area<'a> {
 impl Area<'_> {
     /// The largest distance of a triangle's centre and of some other points from the support, as a fraction of what is allowed,
     /// and whether the triangle faces the wrong way.
-    pub fn deviation(&self, bound: &Bound, [a, b, c]: &[Vec3; 3], points: &[Vec3]) -> (f64, bool) {
+    pub fn deviation(&self, [a, b, c]: &[Vec3; 3], points: &[Vec3]) -> (f64, bool) {
         let normal = (b - a).cross(&(c - a)) * self.sense;
         let center = (a + b + c) / 3.0;
         let foot = self.support.nearest(&center);
         let is_flipped = is_needle([a, b, c], NEEDLE_SINE) || normal.dot(&foot.normal) <= FLIPPED_COSINE * normal.norm();
-        let allowed = bound.along(foot.curvature) * self.share;
+        let allowed = self.bound.along(foot.curvature) * self.share;
         let deviation = points.iter().map(|p| self.support.distance(p)).fold((foot.point - center).norm(), f64::max);
         (deviation / allowed, is_flipped)
     }
@@ -102,7 +103,9 @@ pub(super) struct Workpiece {
     pub places: Vec<Place>,
     /// By vertex: wanted edge length.
     pub sizes: Vec<f64>,
-    pub bound: Bound,
+    pub bounds: Bounds,
+    /// Of feature curves: the strictest of the surfaces around.
+    pub curve_bounds: IdVec<CurveId, Bound>,
     /// How much obtuse triangles count as sharp ones.
     pub obtuse: f64,
     /// By facet: its measure if it has been taken since the facet last changed.
@@ -175,7 +178,7 @@ impl Workpiece {
 
     /// What measuring a facet needs of its surface; `None` without a support.
     pub fn area_of(&self, facet: FacetId) -> Option<Area<'_>> {
-        Some(Area { support: self.support(facet)?, sense: self.sense[facet.index()], share: self.share(facet) })
+        Some(Area { support: self.support(facet)?, sense: self.sense[facet.index()], bound: self.bound_on(facet), share: self.share(facet) })
     }
 
     /// Measures the triangle of a facet with other corner positions.
@@ -183,7 +186,7 @@ impl Workpiece {
         let [a, b, c] = corners;
         let cosine = sharpest_cosine([a, b, c], self.obtuse);
         let Some(area) = self.area_of(facet) else { return Measure { cosine, ..Measure::BEST } };
-        let (excess, is_flipped) = area.deviation(&self.bound, corners, &[(a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5]);
+        let (excess, is_flipped) = area.deviation(corners, &[(a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5]);
         Measure { cosine, excess, is_flipped }
     }
 
@@ -242,7 +245,7 @@ impl Workpiece {
     /// The distance of the middle of an edge from its curve, as a fraction of what is allowed; 0 inside a surface.
     pub fn curve_excess(&self, curve: CurveId, a: &Vec3, b: &Vec3) -> f64 {
         let middle = (a + b) * 0.5;
-        self.curves[curve].gap(&middle).map_or(0.0, |(gap, curvature)| gap / self.bound.along(curvature))
+        self.curves[curve].gap(&middle).map_or(0.0, |(gap, curvature)| gap / self.curve_bounds[curve].along(curvature))
     }
 
     /// Where a vertex belongs: on its curve or surface; where it is if it is a corner.
@@ -260,6 +263,11 @@ impl Workpiece {
             Place::Curve(c) => self.curves[c].nearest(point).unwrap_or(*point),
             Place::Surface(s) => self.supports[s].as_ref().map_or(*point, |s| s.nearest(point).point),
         }
+    }
+
+    /// The bound on the surface of a facet.
+    pub fn bound_on(&self, facet: FacetId) -> Bound {
+        self.bounds.of(self.brep.facets[facet].surface)
     }
 
     /// Share of the bound that the surface of a facet may use.
