@@ -60,6 +60,8 @@ pub struct Evaluation {
     pub statistics: Statistics,
     /// What rounding took.
     pub repairs: Repairs,
+    /// What lay nearer touches; in the scene's unit.
+    pub tolerance: f64,
     /// What may not be meant.
     pub warnings: Vec<Diagnostic>,
 }
@@ -111,7 +113,7 @@ fn evaluate_pieces(
     let (exact, statistics) = choose(scene, solids, conforming, (&mut warnings, errors), timings)?;
     let rounded = timings.measure("round", || round::round(exact, solids, tolerance, size)).map_err(single)?;
     match rounded {
-        Rounded::Valid { complex, repairs } => Ok(Evaluation { complex, statistics, repairs, warnings }),
+        Rounded::Valid { complex, repairs } => Ok(Evaluation { complex, statistics, repairs, tolerance, warnings }),
         Rounded::Broken { complex, faults } => Err(findings::broken(scene, &complex, &faults)),
     }
 }

@@ -65,7 +65,7 @@ fn build(scene: Scene, mut warnings: Vec<Diagnostic>, mut timings: Timings) -> O
     let evaluation = evaluate::evaluate(&scene, &solids, &mut timings)?;
     // Their memory serves what follows.
     drop(solids);
-    let (statistics, repairs) = (evaluation.statistics, evaluation.repairs);
+    let (statistics, repairs, tolerance) = (evaluation.statistics, evaluation.repairs, evaluation.tolerance);
     warnings.extend(evaluation.warnings);
     // Before the work that it warns of.
     if let Some(warning) = forecast::forecast(&evaluation.complex, &scene, Limits::default().memory)? {
@@ -73,7 +73,7 @@ fn build(scene: Scene, mut warnings: Vec<Diagnostic>, mut timings: Timings) -> O
         warnings.push(warning);
     }
     let complex = timings.measure("remesh", || remesh::remesh(evaluation.complex, &scene.remesh, &scene.parts))?;
-    let complex = timings.measure("position", || position(complex, scene.tolerance));
+    let complex = timings.measure("position", || position(complex, tolerance));
     let plc = timings.measure("plc", || plc::build::build(&complex, &scene.parts))?;
     let measures = timings.measure("measure", || measure::measure(&complex));
     let manifest = Manifest::new(&scene, &complex, &measures, &plc);

@@ -6,11 +6,11 @@
 //! and TetGen 1.5 does not find the facet among such tetrahedra: of single cylinders and cones, freely turned, it loses
 //! every second one (abort, crash or endless loop).
 //!
-//! So what hangs together and has such a polygon is stretched along the axes, by factors that differ from 1 and from each other
-//! by a hundredth of the tolerance. Circles become ellipses, and no corner is on the circle of three others by a distance that is
-//! 100000 times what rounding moves it out of the plane. Planes stay planes, those along the axes exactly so; contacts stay what
-//! they are, since what touches hangs together. Of 60 runs on freely turned scenes (15 scenes, 4 orders of vertices each)
-//! TetGen died in 20 before, in none after; without remeshing in 38 before, in 5 after.
+//! So what hangs together and has such a polygon is stretched along the axes, by factors that differ from 1 and from each other,
+//! until its corners have moved by a hundredth of the tolerance. Circles become ellipses, and no corner is on the circle of three
+//! others by a distance that is 10000 times what rounding moves it out of the plane. Planes stay planes, those along the axes
+//! exactly so; contacts stay what they are, since what touches hangs together, and nothing passes through anything, since what
+//! does not touch is further apart than the tolerance.
 //!
 //! ```text
 //! rounded: a flat tetrahedron over 4 corners       stretched: the empty circle of 3 corners leaves out the 4th
@@ -26,21 +26,23 @@ use crate::geom::union_find::UnionFind;
 use crate::ids::{Id, VertexId};
 use crate::round::PLANAR_ULPS;
 
-/// Stretch as a share of the tolerance: what touches within the tolerance is known no better anyway.
+/// How far corners move at most, as a share of the tolerance: what touches within the tolerance is known no better anyway.
 const SHARE: f64 = 0.01;
-/// Stretch, relative, that is too small to tell from rounding.
-const LEAST: f64 = 1e-13;
+/// Ways, in units in the last place of the largest coordinate, that are too small to tell from rounding.
+const LEAST_ULPS: f64 = 16.0;
 /// Stretch along x, y and z. Together they keep volumes. Planes exist in which such a stretch leaves circles round: they hold the
 /// x axis, and are inclined to the others by angles that people hardly give (61.7 degrees).
 const ALONG: Vec3 = Vec3::new(0.31, -1.0, 0.69);
 
 /// A complex in which what lies askew is in general position, with the same names, numbers and loops.
 ///
-/// `tolerance` is relative, that of the contacts. Pieces whose polygons would not be planar to rounding, or not simple, stay as
-/// they are; so does everything if anything would meet. Cost: n log n, and next to nothing if nothing is askew.
+/// `tolerance` is the one that decided what touches, in the scene's unit. Pieces whose polygons would not be planar to rounding,
+/// or not simple, stay as they are; so does everything if anything would meet. Cost: n log n, and next to nothing if nothing is
+/// askew.
 pub fn position(complex: Complex, tolerance: f64) -> Complex {
-    let stretch = SHARE * tolerance;
-    if stretch < LEAST {
+    let way = SHARE * tolerance;
+    let reach = complex.vertices.iter().fold(0.0, |m: f64, v| m.max(v.point.amax()));
+    if way < LEAST_ULPS * f64::EPSILON * reach {
         return complex;
     }
     let pieces = Pieces::of(&complex);
@@ -48,7 +50,7 @@ pub fn position(complex: Complex, tolerance: f64) -> Complex {
         return complex;
     }
     let mut moved = complex.clone();
-    pieces.stretch(&mut moved, stretch);
+    pieces.stretch(&mut moved, way);
     let unsound = pieces.renew_polygons(&mut moved);
     pieces.put_back(&mut moved, &complex, &unsound);
     let points: Vec<Vec3> = moved.vertices.iter().map(|v| v.point).collect();
@@ -86,14 +88,15 @@ impl Pieces {
     }
 
     /// Stretches pieces that lie askew, about their lowest corner: equal coordinates stay equal.
-    fn stretch(&self, complex: &mut Complex, stretch: f64) {
-        let mut lowest = vec![Vec3::repeat(f64::INFINITY); self.is_askew.len()];
+    fn stretch(&self, complex: &mut Complex, way: f64) {
+        let mut boxes = vec![Aabb::EMPTY; self.is_askew.len()];
         for (vertex, &piece) in complex.vertices.iter().zip(&self.of) {
-            lowest[piece as usize] = lowest[piece as usize].inf(&vertex.point);
+            boxes[piece as usize] = boxes[piece as usize].with(&vertex.point);
         }
         for (vertex, &piece) in complex.vertices.iter_mut().zip(&self.of) {
             if self.is_askew[piece as usize] {
-                vertex.point += (vertex.point - lowest[piece as usize]).component_mul(&ALONG) * stretch;
+                let bounds = boxes[piece as usize];
+                vertex.point += (vertex.point - bounds.lo).component_mul(&ALONG) * (way / bounds.diagonal());
             }
         }
     }

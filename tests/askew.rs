@@ -5,7 +5,7 @@ mod support;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
-use support::{build, folder};
+use support::{build, folder, gsm};
 
 /// Axes and angles that nothing in the scenes is aligned with.
 const TURNS: [(&str, f64); 6] = [
@@ -75,4 +75,28 @@ fn the_stretch_is_a_trace_and_leaves_what_is_straight() {
     let most = ways.iter().copied().fold(0.0, f64::max);
     // 1e-11 of an extent of 35 at most.
     assert!(most > 1e-11 && most < 3.5e-10, "{most:e}");
+}
+
+#[test]
+fn nothing_passes_through_what_is_near() {
+    let path = folder("askew_near");
+    // Corners around an axis, too far apart for the tolerance of 0.125: a thousandth of it is taken. The cube of 0.0002 is as far
+    // above the body, which a hundredth of 0.125 would lift over it. The body's leg is askew.
+    let text = r#"Scene(units: "mm", tolerance: 1e-3, parts: [
+        Part(name: "air", solid: Block(min: (-60, -60, -60), max: (60, 60, 60))),
+        Part(name: "body", solid: Union([Block(min: (-20, -20, -40), max: (20, 20, 40)),
+            Rotate(axis: (0.3, 0.5, 0.7), angle: 33, solid: Block(size: (10, 10, 60), center: (20, 0, 0)))])),
+        Part(name: "a", solid: Block(min: (0.3, 0, 50), max: (5, 5, 55))),
+        Part(name: "b", solid: Block(min: (-5, 0, 50), max: (0.2, 5, 55))),
+        Part(name: "c", solid: Block(min: (-5, -5, 50), max: (0.1, 0, 55))),
+        Part(name: "d", solid: Block(min: (0.2, -5, 50), max: (5, 0, 55))),
+        Part(name: "cube", solid: Intersection([Block(min: (-1, -1, 40.0002), max: (0.0002, 0.0002, 41)),
+            Block(min: (0, 0, 39), max: (1, 1, 40.0004))])),
+    ])"#;
+    let vertices = vertices(&path, text, "off");
+    let lifts = vertices.iter().map(|v| v[2] - 40.0).filter(|lift| lift.abs() < 0.0001);
+    let most = lifts.fold(0.0, f64::max);
+    // At most a hundredth of 0.000125; most of the body's height is its diagonal.
+    assert!(most > 1e-7 && most < 1.3e-6, "{most:e}");
+    assert_eq!(gsm(["check", "askew.poly"], &path).status.code(), Some(0));
 }

@@ -100,14 +100,14 @@ pub(crate) fn import(leaf: &Leaf, path: &Path, scale: f64) -> Result<Solid, Diag
     if place.is_mirrored() {
         surface.turn();
     }
-    let triangles = surface.triangles();
+    let (triangles, polygon_of) = surface.triangles();
     let is_flat = surface.volume() == 0.0;
     check_embedded(&surface, &triangles, &file).map_err(|fault| if is_flat { without_volume(&file) } else { fault })?;
-    nesting::orient(&mut surface, &triangles, &file)?;
+    nesting::orient(&mut surface, &sides, (&triangles, &polygon_of), &file)?;
     let freedoms = freedoms(&surface, &sides);
     // Other diagonals of facets that are planar to rounding only may meet what the first ones miss.
     if let Some(joined) = flats::join(&surface, &sides, surface.flatness())
-        && check_embedded(&joined, &joined.triangles(), &file).is_ok()
+        && check_embedded(&joined, &joined.triangles().0, &file).is_ok()
     {
         surface = joined;
     }
@@ -139,17 +139,19 @@ impl Surface {
         Sides::new(self).edges().any(|e| sides::is_open(&e))
     }
 
-    /// The polygons as triangles.
-    fn triangles(&self) -> Vec<[u32; 3]> {
+    /// The polygons as triangles, and the polygon of each.
+    fn triangles(&self) -> (Vec<[u32; 3]>, Vec<u32>) {
         let mut triangles = Vec::with_capacity(self.polygons.items().len());
-        for walk in self.polygons.iter() {
+        let mut polygon_of = Vec::with_capacity(self.polygons.items().len());
+        for (walk, polygon) in self.polygons.iter().zip(0u32..) {
             match walk {
                 &[a, b, c] => triangles.push([a, b, c]),
                 // Simple: checked by `split_bent`.
                 _ => triangles.extend(triangulate(&[walk], &[], &[], &self.points).unwrap_or_default()),
             }
+            polygon_of.resize(triangles.len(), polygon);
         }
-        triangles
+        (triangles, polygon_of)
     }
 
     fn volume(&self) -> f64 {

@@ -2,12 +2,13 @@
 //! to be its cavity, or a body in the cavity of one, and so on.
 
 use super::Surface;
+use super::sides::Sides;
 use crate::diag::Diagnostic;
 use crate::geom::aabb::Aabb;
 use crate::geom::cast::{CastError, Caster};
 use crate::geom::union_find::UnionFind;
 
-/// A part of the surface that has no point in common with the rest.
+/// A part of the surface that has no edge in common with the rest.
 struct Shell {
     /// Six times the volume that it encloses; negative if it is inside out.
     volume: f64,
@@ -17,41 +18,46 @@ struct Shell {
     around: Vec<u32>,
 }
 
-/// Turns shells so that outermost ones enclose what lies in them. The triangles are those of the polygons and meet in whole
-/// vertices and edges only. O(n log n), and the depth for each shell.
+/// Turns shells so that outermost ones enclose what lies in them. The triangles are those of the polygons, each with its polygon,
+/// and meet in whole vertices and edges only. O(n log n), and the depth for each shell.
 ///
 /// # Errors
 /// `nested-shells`: one that lies directly in another one is oriented as that one, so that nobody knows what is inside.
-pub(super) fn orient(surface: &mut Surface, triangles: &[[u32; 3]], file: &str) -> Result<(), Diagnostic> {
-    let mut sets = UnionFind::new(surface.points.len());
-    surface.polygons.iter().for_each(|walk| walk.iter().for_each(|&v| sets.join(walk[0], v)));
-    // Points without polygons are shells by themselves, of nothing.
+pub(super) fn orient(
+    surface: &mut Surface,
+    sides: &Sides,
+    (triangles, polygon_of): (&[[u32; 3]], &[u32]),
+    file: &str,
+) -> Result<(), Diagnostic> {
+    let mut sets = UnionFind::new(surface.polygons.count());
+    for (_, all) in sides.edges() {
+        all.windows(2).for_each(|pair| sets.join(pair[0].polygon(), pair[1].polygon()));
+    }
     let (shell_of, count) = sets.number();
+    let shell_of_triangle: Vec<u32> = polygon_of.iter().map(|&p| shell_of[p as usize]).collect();
     let mut shells: Vec<Shell> = (0..count).map(|_| Shell { volume: 0.0, triangle: u32::MAX, around: Vec::new() }).collect();
     let origin = Aabb::around(&surface.points).center();
-    for (t, k) in triangles.iter().zip(0u32..) {
+    for ((t, &own), k) in triangles.iter().zip(&shell_of_triangle).zip(0u32..) {
         let [a, b, c] = t.map(|v| surface.points[v as usize] - origin);
-        let shell = &mut shells[shell_of[t[0] as usize] as usize];
+        let shell = &mut shells[own as usize];
         shell.volume += a.dot(&b.cross(&c));
         shell.triangle = shell.triangle.min(k);
     }
-    if shells.iter().filter(|s| s.triangle != u32::MAX).count() > 1 {
-        nest(&mut shells, &shell_of, &Caster::new(&surface.points, triangles), triangles)
+    if count > 1 {
+        nest(&mut shells, &shell_of_triangle, &Caster::new(&surface.points, triangles))
             .map_err(|_| Diagnostic::internal("ray", format!("{file}: every ray from a shell meets an edge")))?;
     }
     let is_turned: Vec<bool> = (0..count).map(|k| shells[outermost(&shells, k)].volume < 0.0).collect();
     let is_cavity = |k: usize| (shells[k].volume < 0.0) != is_turned[k];
-    if let Some(bad) = (0..count).find(|&k| shells[k].triangle != u32::MAX && is_cavity(k) != (shells[k].around.len() % 2 == 1))
-    {
+    if let Some(bad) = (0..count).find(|&k| is_cavity(k) != (shells[k].around.len() % 2 == 1)) {
         let places = triangles[shells[bad].triangle as usize].map(|v| surface.points[v as usize]);
         let message = format!("{file}: a shell lies in another one and is oriented as that one");
         let hint = "turn its facets if it is a cavity; if it is a body, give it a file of its own, or leave it out";
         return Err(Diagnostic::error("nested-shells", message).near(places[0]).hint(hint));
     }
-    for k in 0..surface.polygons.count() as u32 {
-        let walk = surface.polygons.of_mut(k);
-        if is_turned[shell_of[walk[0] as usize] as usize] {
-            walk.reverse();
+    for (k, &shell) in (0u32..).zip(&shell_of) {
+        if is_turned[shell as usize] {
+            surface.polygons.of_mut(k).reverse();
         }
     }
     Ok(())
@@ -63,12 +69,11 @@ fn outermost(shells: &[Shell], own: usize) -> usize {
 }
 
 /// Finds the shells around each by a ray.
-fn nest(shells: &mut [Shell], shell_of: &[u32], caster: &Caster, triangles: &[[u32; 3]]) -> Result<(), CastError> {
-    for (own, shell) in (0u32..).zip(shells).filter(|(_, s)| s.triangle != u32::MAX) {
+fn nest(shells: &mut [Shell], shell_of: &[u32], caster: &Caster) -> Result<(), CastError> {
+    for (own, shell) in (0u32..).zip(shells) {
         let line = caster.line_through(shell.triangle)?;
         let behind = line.iter().skip_while(|crossing| crossing.triangle != shell.triangle);
-        let mut crossed: Vec<u32> =
-            behind.map(|crossing| shell_of[triangles[crossing.triangle as usize][0] as usize]).collect();
+        let mut crossed: Vec<u32> = behind.map(|crossing| shell_of[crossing.triangle as usize]).collect();
         crossed.sort_unstable();
         let odd = crossed.chunk_by(|a, b| a == b).filter(|same| same[0] != own && same.len() % 2 == 1);
         shell.around = odd.map(|same| same[0]).collect();

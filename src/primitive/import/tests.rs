@@ -175,20 +175,24 @@ fn cubes(all: &[(f64, f64, bool)]) -> String {
     format!("OFF\n{} {} 0\n{points}{facets}", 8 * all.len(), 6 * all.len())
 }
 
+/// The volume in units of the file, which is read at a scale of 2.
+fn volume_of(solid: &Solid) -> f64 {
+    let origin = solid.vertices[0].point;
+    let p = |v: u32| solid.vertices[v as usize].point - origin;
+    let six = |f: SolidFacet| -> f64 {
+        let walk = f.loops.outer();
+        (2..walk.len()).map(|k| p(walk[0]).dot(&p(walk[k - 1]).cross(&p(walk[k])))).sum()
+    };
+    (solid.facets.iter().map(six).sum::<f64>() / 48.0).round()
+}
+
 #[test]
 fn shells_are_turned_by_what_they_lie_in() {
     let (outer, inner, core) = ((0., 10., false), (1., 8., false), (2., 6., false));
     let turned = |(at, size, _): (f64, f64, bool)| (at, size, true);
     let volume = |all: &[(f64, f64, bool)]| {
         let solid = read("u.off", &cubes(all)).map_err(|fault| fault.code)?;
-        let origin = solid.vertices[0].point;
-        let p = |v: u32| solid.vertices[v as usize].point - origin;
-        let six = |f: SolidFacet| -> f64 {
-            let walk = f.loops.outer();
-            (2..walk.len()).map(|k| p(walk[0]).dot(&p(walk[k - 1]).cross(&p(walk[k])))).sum()
-        };
-        // The file is read at a scale of 2.
-        Ok((solid.facets.iter().map(six).sum::<f64>() / 48.0).round())
+        Ok(volume_of(&solid))
     };
     // A cavity, however the whole is turned; beside each other, each by itself.
     assert_eq!(volume(&[outer, turned(inner)]), Ok(488.0));
@@ -201,4 +205,20 @@ fn shells_are_turned_by_what_they_lie_in() {
     assert_eq!(volume(&[outer, inner]), Err("nested-shells"));
     assert_eq!(volume(&[turned(outer), turned(inner)]), Err("nested-shells"));
     assert_eq!(volume(&[outer, turned(inner), turned(core)]), Err("nested-shells"));
+}
+
+#[test]
+fn shells_that_touch_in_a_vertex_are_turned_each_by_itself() {
+    // Two cubes with a common corner, and a tetrahedron at a corner of a cube and inside of it; 8 points are the first cube's.
+    let cube = |at: f64, size: f64, is_turned: bool| cubes(&[(0., 10., false), (at, size, is_turned)]);
+    let shared = |text: &str| read("v.off", text).map(|solid| volume_of(&solid)).map_err(|fault| fault.code);
+    assert_eq!(shared(&cube(10., 4., false)), Ok(1064.0));
+    assert_eq!(shared(&cube(10., 4., true)), Ok(1064.0));
+    let mut lines: Vec<String> = cubes(&[(0., 10., false)]).lines().map(str::to_owned).collect();
+    lines[1] = "11 10 0".into();
+    lines.splice(10..10, ["4 3 5", "5 4 3", "3 5 4"].map(str::to_owned));
+    let with = |facets: [&str; 4]| lines.join("\n") + "\n" + &facets.join("\n") + "\n";
+    // Its edges at (0, 0, 0) have the determinant 36: it encloses 6, and its facets look outwards in the other order.
+    assert_eq!(shared(&with(["3 0 8 9", "3 0 9 10", "3 0 10 8", "3 8 10 9"])), Ok(994.0));
+    assert_eq!(shared(&with(["3 9 8 0", "3 10 9 0", "3 8 10 0", "3 9 10 8"])), Err("nested-shells"));
 }
