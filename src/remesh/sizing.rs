@@ -242,7 +242,8 @@ impl Workpiece {
         let mut size = f64::INFINITY;
         for &id in &surfaces {
             let Some(s) = self.supports[id].as_deref() else { continue };
-            size = size.min(self.shares[id.index()].sqrt() * SAFETY * self.length_near((s, self.bounds.of(id)), &point, &star, limits));
+            let length = self.length_near((s, self.bounds.of(id)), &point, &star, limits);
+            size = size.min(self.shares[id.index()].sqrt() * SAFETY * length);
         }
         if let Place::Curve(c) = self.place(vertex)
             && let Some(foot) = self.curves[c].closest(&point)

@@ -178,7 +178,12 @@ impl Workpiece {
 
     /// What measuring a facet needs of its surface; `None` without a support.
     pub fn area_of(&self, facet: FacetId) -> Option<Area<'_>> {
-        Some(Area { support: self.support(facet)?, sense: self.sense[facet.index()], bound: self.bound_on(facet), share: self.share(facet) })
+        Some(Area {
+            support: self.support(facet)?,
+            sense: self.sense[facet.index()],
+            bound: self.bound_on(facet),
+            share: self.share(facet),
+        })
     }
 
     /// Measures the triangle of a facet with other corner positions.
