@@ -11,6 +11,7 @@
 //!           -- select -----> kill, retain or flip by the decision table
 //!           -- round ------> f64 coordinates, verified -> B-rep with uses and regions
 //!           -- remesh -----> collapse, swap, split, relocate
+//!           -- position ---> what lies askew is moved by a trace, of which TetGen would die
 //!           -- plc --------> .poly and manifest
 //!           -- tetgen -----> volume mesh, verified -- io --> files for solvers -- report --> statistics
 //! ```

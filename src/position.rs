@@ -30,6 +30,8 @@ use crate::round::PLANAR_ULPS;
 const SHARE: f64 = 0.01;
 /// Ways, in units in the last place of the largest coordinate, that are too small to tell from rounding.
 const LEAST_ULPS: f64 = 16.0;
+/// Distance of a corner from the circle of three others, in its radii, below which it is on it: what contact leaves of a circle.
+const ROUND: f64 = 1e-9;
 /// Stretch along x, y and z. Together they keep volumes. Planes exist in which such a stretch leaves circles round: they hold the
 /// x axis, and are inclined to the others by angles that people hardly give (61.7 degrees).
 const ALONG: Vec3 = Vec3::new(0.31, -1.0, 0.69);
@@ -62,7 +64,7 @@ pub fn position(complex: Complex, tolerance: f64) -> Complex {
 struct Pieces {
     /// By vertex.
     of: Vec<u32>,
-    /// By piece: whether a polygon of it is planar but for rounding.
+    /// By piece: whether a polygon of it lies askew.
     is_askew: Vec<bool>,
 }
 
@@ -78,7 +80,7 @@ impl Pieces {
         let mut pieces = Self { of, is_askew: vec![false; count] };
         for facet in complex.facets.iter() {
             let piece = pieces.of_facet(facet);
-            pieces.is_askew[piece] = pieces.is_askew[piece] || is_bent(facet, complex);
+            pieces.is_askew[piece] = pieces.is_askew[piece] || is_askew(facet, complex);
         }
         pieces
     }
@@ -138,10 +140,28 @@ impl Pieces {
     }
 }
 
-/// Whether a polygon has four corners that are not exactly in one plane.
-fn is_bent(facet: &ComplexFacet, complex: &Complex) -> bool {
-    let Some([a, b, c]) = facet.triangles.first().filter(|_| facet.triangles.len() > 1).copied() else { return false };
-    let [a, b, c] = [a, b, c].map(|v| complex.vertices[v].point);
-    let is_along_axes = (0..3).any(|k| facet.loops.iter().flatten().all(|&v| complex.vertices[v].point[k] == a[k]));
-    !is_along_axes && facet.loops.iter().flatten().any(|&v| orient3d(&a, &b, &c, &complex.vertices[v].point) != 0)
+/// Whether a polygon is not exactly in one plane, has four corners in a row on one circle but for rounding, and no edge along an
+/// axis: TetGen copes with all others, and the coordinates of what stands straight are to stay what the user wrote.
+fn is_askew(facet: &ComplexFacet, complex: &Complex) -> bool {
+    let Some(&[a, b, c]) = facet.triangles.first().filter(|_| facet.triangles.len() > 1) else { return false };
+    let point = |v: VertexId| complex.vertices[v].point;
+    let is_off = |&v: &VertexId| orient3d(&point(a), &point(b), &point(c), &point(v)) != 0;
+    let (mut is_round, mut is_straight) = (false, false);
+    for walk in facet.loops.iter().filter(|w| w.len() > 3) {
+        for k in 0..walk.len() {
+            let row = [0, 1, 2, 3].map(|i| point(walk[(k + i) % walk.len()]));
+            is_round |= is_on_circle(&row);
+            is_straight |= (row[1] - row[0]).iter().filter(|&&x| x == 0.0).count() >= 2;
+        }
+    }
+    is_round && !is_straight && facet.loops.iter().flatten().any(is_off)
+}
+
+/// Whether the last point is on the circle of the first three but for rounding.
+fn is_on_circle([a, b, c, d]: &[Vec3; 4]) -> bool {
+    let (u, v) = (b - a, c - a);
+    let normal = u.cross(&v);
+    let to_center = (normal.cross(&u) * v.norm_squared() + v.cross(&normal) * u.norm_squared()) / (2.0 * normal.norm_squared());
+    let radius = to_center.norm();
+    ((d - a - to_center).norm() - radius).abs() <= ROUND * radius
 }
