@@ -28,6 +28,8 @@ use crate::round::PLANAR_ULPS;
 
 /// How far corners move at most, as a share of the tolerance: what touches within the tolerance is known no better anyway.
 const SHARE: f64 = 0.01;
+/// And as a share of the largest coordinate: whoever lets parts touch from afar wants nothing else moved.
+const MOST: f64 = 1e-10;
 /// Ways, in units in the last place of the largest coordinate, that are too small to tell from rounding.
 const LEAST_ULPS: f64 = 16.0;
 /// Distance of a corner from the circle of three others, in its radii, below which it is on it: what contact leaves of a circle.
@@ -42,8 +44,8 @@ const ALONG: Vec3 = Vec3::new(0.31, -1.0, 0.69);
 /// or not simple, stay as they are; so does everything if anything would meet. Cost: n log n, and next to nothing if nothing is
 /// askew.
 pub fn position(complex: Complex, tolerance: f64) -> Complex {
-    let way = SHARE * tolerance;
     let reach = complex.vertices.iter().fold(0.0, |m: f64, v| m.max(v.point.amax()));
+    let way = (SHARE * tolerance).min(MOST * reach);
     if way < LEAST_ULPS * f64::EPSILON * reach {
         return complex;
     }
