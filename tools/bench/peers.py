@@ -18,7 +18,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.join(HERE, "../..")
 SCENES = ["prism_holes", "cone", "union_two_differences", "cylinders_union_difference", "three_cylinders", "transformer3", "machine",
           "team07"] + [f"sphere_grid{n}" for n in range(2, 7)]
-AFTER_BREP = {"remesh", "plc", "measure", "write"}
+AFTER_BREP = {"remesh", "position", "plc", "measure", "write"}
 GMSH_FACTOR, MANIFOLD_FLOOR, PROCESS_BAR = 10, 3e-3, 15e-3
 # Manifold has no shared interfaces: only what has none, or parts that do not touch, is the same task.
 SAME_TASK = {"union_two_differences", "cylinders_union_difference", "three_cylinders", "team07"} | {f"sphere_grid{n}" for n in range(2, 7)}
