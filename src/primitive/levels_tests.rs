@@ -5,27 +5,27 @@ use crate::scene::model::{Arc2, Path2, Primitive, Profile, Segment2};
 use std::collections::BTreeSet;
 use std::f64::consts::{PI, TAU};
 
-/// The triangles of a solid on a surface, by their corners.
-fn triangles_on(solid: &Solid, is_on: impl Fn(Vec3) -> bool) -> Vec<[[i64; 3]; 3]> {
+/// The triangles and strips of a solid on a surface, by their corners.
+fn facets_on(solid: &Solid, is_on: impl Fn(Vec3) -> bool) -> Vec<Vec<[i64; 3]>> {
     let at = |v: u32| solid.vertices[v as usize].point;
-    let key = |v: u32| at(v).map(|c| (c * 1e6).round() as i64).into();
+    let key = |&v: &u32| at(v).map(|c| (c * 1e6).round() as i64).into();
     let of = |walk: &[u32]| {
-        let mut corners: [[i64; 3]; 3] = [key(walk[0]), key(walk[1]), key(walk[2])];
+        let mut corners: Vec<[i64; 3]> = walk.iter().map(key).collect();
         corners.sort_unstable();
         corners
     };
-    let walks = solid.facets.iter().map(|f| f.loops.outer()).filter(|w| w.len() == 3 && w.iter().all(|&v| is_on(at(v))));
+    let walks = solid.facets.iter().map(|f| f.loops.outer()).filter(|w| w.len() <= 4 && w.iter().all(|&v| is_on(at(v))));
     walks.map(of).collect()
 }
 
-/// Where all solids have a surface, they have the same triangles of it; gives their number.
+/// Where all solids have a surface, they have the same facets of it; gives their number.
 fn assert_alike(solids: &[Solid], is_on: impl Fn(Vec3) -> bool + Copy, is_common: impl Fn(f64, f64) -> bool) -> usize {
     let inside = |corner: &[i64; 3]| {
         let [x, y, z] = corner.map(|c| c as f64 * 1e-6);
         is_common(libm::atan2(y, x).to_degrees().rem_euclid(360.0), z)
     };
     let sets: Vec<BTreeSet<_>> =
-        solids.iter().map(|s| triangles_on(s, is_on).into_iter().filter(|t| t.iter().all(inside)).collect()).collect();
+        solids.iter().map(|s| facets_on(s, is_on).into_iter().filter(|t| t.iter().all(inside)).collect()).collect();
     for (k, set) in sets.iter().enumerate() {
         assert_eq!(set.symmetric_difference(&sets[0]).count(), 0, "solid {k}");
     }
@@ -109,6 +109,32 @@ fn parts_of_a_torus_have_its_triangles() {
     let eighth = 10.0 * 0.5f64.sqrt() + 1e-6;
     let count = assert_alike(&solids, is_on, |angle, z| (0.0..=eighth).contains(&z) && !(0.1..239.9).contains(&angle));
     assert!(count > 20, "{count}");
+}
+
+#[test]
+fn narrow_fillets_are_strips_wide_ones_triangles() {
+    // A disc of radius 100 with a quarter of a circle about its rim: 6 chords of 15 degrees beside 24 around.
+    let disc = |fillet: f64| {
+        let arc = Some(Arc2 { center: [100.0 - fillet, 0.0], is_ccw: true });
+        let segment = |end, arc| Segment2 { end, arc, name: None };
+        let segments = vec![
+            segment([100.0, 0.0], None),
+            segment([100.0 - fillet, fillet], arc),
+            segment([0.0, fillet], None),
+            segment([0.0, 0.0], None),
+        ];
+        let profile = plain(Path2 { start: [0.0, 0.0], segments, is_closed: true });
+        one(leaf(Primitive::Revolution { frame: FRAME, profile, start: 0.0, angle: TAU }))
+    };
+    let counts = |fillet: f64| {
+        let solid = disc(fillet);
+        assert_eq!(check(&solid), 2);
+        let corners: Vec<usize> = solid.facets.iter().map(|f| f.loops.outer().len()).collect();
+        [3, 4].map(|n| corners.iter().filter(|&&c| c == n).count())
+    };
+    assert_eq!(counts(5.0), [0, 6 * 24]);
+    let [triangles, quads] = counts(95.0);
+    assert!(triangles > 200 && quads == 0, "{triangles} {quads}");
 }
 
 #[test]

@@ -5,12 +5,18 @@
 
 use super::division::check_count;
 use super::outline::{Outline, Run, RunArc};
-use super::rows::{Column, Columns, Row, Sizing, stitch};
+use super::rows::{Column, Columns, Row, Sizing, stitch, strips};
 use super::solid::Freedom;
 use super::sweep::{Maker, Piece, Station, Turn};
 use crate::diag::Diagnostic;
 use crate::geom::plane::distance;
 use std::f64::consts::TAU;
+
+/// Chords longer than rows are high by this factor have thin triangles beside them: 27 degrees, where the apex is over an end.
+const FLATTEST: f64 = 2.0;
+/// Panels with more than this part of their width so near to rims that chords are longer than that, fillets mostly, stay planar
+/// strips.
+const NARROW: f64 = 0.5;
 
 impl Turn {
     /// The breakpoints of its piece, in the order of the axis' degrees.
@@ -87,6 +93,8 @@ impl Maker<'_> {
         let circle = &sweep.circles[turn.circle];
         let is_rising = arc.is_ccw == ((circle.place.axes[2].dot(&circle.axis.z) > 0.0) == (turn.sense > 0.0));
         let is_flipped = is_rising != (turn.direction > 0.0);
+        let is_flat = |i: &usize| !is_ring && chords(*i) > FLATTEST * sizing.height;
+        let is_narrow = (from..=to).filter(is_flat).count() as f64 > NARROW * (to - from + 1) as f64;
         let mut below: Vec<Row> = Vec::new();
         let mut first: Vec<Row> = Vec::new();
         for r in 0..=to - from {
@@ -94,13 +102,15 @@ impl Maker<'_> {
             let is_end = r == 0 || r == to - from;
             let row = if is_ring && r == to - from {
                 std::mem::take(&mut first)
-            } else if is_end && !is_ring {
+            } else if is_narrow || (is_end && !is_ring) {
                 columns.on_columns(|c| self.vertex(l, i, c.index))
             } else {
                 self.free_row(l, i, (piece, turn), &columns, radius(i) / chords(i), r % 2 == 1)
             };
             if r == 0 {
                 first.clone_from(&row);
+            } else if is_narrow {
+                strips(&mut self.shell, surface, &below, &row, is_flipped);
             } else {
                 stitch(&mut self.shell, surface, &below, &row, is_flipped);
             }

@@ -179,3 +179,16 @@ pub(super) fn stitch(shell: &mut Shell, surface: u32, below: &[Row], above: &[Ro
         }
     }
 }
+
+/// Planar strips between two rows that stand on the same columns; triangles at a pole.
+pub(super) fn strips(shell: &mut Shell, surface: u32, below: &[Row], above: &[Row], is_flipped: bool) {
+    for (below, above) in below.iter().zip(above) {
+        for k in 1..below.len().max(above.len()) {
+            let edge = |row: &Row| [k - 1, k].map(|k| row.get(k).unwrap_or(&row[0]).1);
+            let ([a, b], [d, c]) = (edge(below), edge(above));
+            let mut corners = if is_flipped { vec![d, c, b, a] } else { vec![a, b, c, d] };
+            corners.dedup();
+            shell.facet(surface, vec![corners]);
+        }
+    }
+}
