@@ -41,6 +41,24 @@ fn a_thin_shell_gets_no_million_triangles() {
     assert!(least > 25.0 && count < 100_000, "{least} {count}");
 }
 
+/// The rim of a sheet of 35 micrometres stays the strips that it is, 0.035 by 5.2 mm: as triangles they had angles of 1.7 degrees,
+/// a fifth of them below 30. Where a given deviation is finer than that of the strips (0.17), they are treated.
+#[test]
+fn the_rim_of_a_sheet_stays_strips() {
+    let disc = r#"Part(name: "disc", solid: Cylinder(radius: 20, height: 0.035))"#;
+    let via = r#"Part(name: "via", solid: Cylinder(radius: 1, height: 5, base: (10, 3, -2)))"#;
+    let (least, below, _) = shape("sheet", "full", &format!(r#"Scene(units: "mm", parts: [{disc}, {via}])"#));
+    assert!(least > 38.0 && below == 0.0, "{least} {below}");
+    let triangles = |deviation: f64| {
+        let folder = folder(&format!("remeshed-sheet-{deviation}"));
+        let file = folder.join("scene.ron");
+        std::fs::write(&file, format!(r#"Scene(units: "mm", max_deviation: {deviation}, parts: [{disc}])"#)).unwrap();
+        build(&file, &["--remesh", "full"], &folder)["quality"]["triangles"].as_u64().unwrap_or(0)
+    };
+    assert_eq!(triangles(0.2), 0);
+    assert!(triangles(0.1) > 100);
+}
+
 /// Askew strips that stay beside remeshed ones, and askew planes beside a remeshed hole, have vertices of their neighbours on
 /// straight edges. They stay polygons; once they were cut into fans of needles.
 #[test]

@@ -11,14 +11,16 @@
 //! ```
 
 use super::pieces::{Mark, Marks, cut_facet, edges_of};
+use super::sizing::{NARROWEST, PER_STRIP, wanted_on};
 use super::workpiece::sorted;
 use crate::brep::complex::{Complex, ComplexFacet, ComplexVertex};
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
 use crate::geom::segment::distance_to;
-use crate::ids::{FacetId, Id, IdVec, SurfaceId, VertexId};
+use crate::ids::{FacetId, Id, IdVec, PartId, SurfaceId, VertexId};
 use crate::patch::support::Support;
 use crate::primitive::solid::Freedom;
+use crate::scene::model::{Part, RemeshOptions};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -29,6 +31,9 @@ const DEPTH: f64 = 1.0;
 const LEAST_REST: f64 = 1.0;
 /// A corner nearer to a ruling than this many widths asks for work in the strip beyond, too.
 const LEAST_SIDE: f64 = 0.5;
+/// Length of a strip's rulings over its chords below which triangles of the smallest chords that a narrow strip may ask for
+/// ([`NARROWEST`]) do not fit.
+const SHORTEST_STRIP: f64 = NARROWEST / PER_STRIP;
 /// Distance from the true surface, as a fraction of the model's size, past which a corner is off it: contact moves corners by
 /// less.
 const OFF: f64 = 1e-7;
@@ -46,10 +51,17 @@ pub(super) struct Choice {
 }
 
 impl Choice {
-    /// All curved facets.
-    pub fn all(complex: &Complex, supports: &Supports) -> Self {
-        let is_chosen = complex.facets.iter().map(|f| supports[f.surface].is_some()).collect();
-        Self { is_chosen, slides: Vec::new() }
+    /// All curved facets but the rims of sheets, where these are as the user wants them.
+    pub fn all(complex: &Complex, supports: &Supports, options: &RemeshOptions, parts: &IdVec<PartId, Part>) -> Self {
+        let allowed = options.max_deviation.unwrap_or(f64::INFINITY);
+        let stays = |facet: &ComplexFacet, support: &Support| {
+            chords_of_rim(facet, complex, support).is_some_and(|chords| {
+                let longest = wanted_on(&complex.markers[facet.marker], parts);
+                chords.iter().all(|[a, b]| (b - a).norm() <= longest && support.distance(&((a + b) * 0.5)) <= allowed)
+            })
+        };
+        let is_chosen = complex.facets.iter().map(|f| supports[f.surface].as_ref().is_some_and(|s| !stays(f, s)));
+        Self { is_chosen: is_chosen.collect(), slides: Vec::new() }
     }
 
     /// The facets at intersections, after the strips among them have been cut. Pieces keep what their facet had. Cost: linear
@@ -86,6 +98,21 @@ impl Choice {
         complex.facets = facets;
         Self { is_chosen, slides }
     }
+}
+
+/// The chords of a planar strip of a ruled surface that is so short along its rulings that its triangles would be needles, as at
+/// the rim of a sheet; none of other facets.
+fn chords_of_rim(facet: &ComplexFacet, complex: &Complex, support: &Support) -> Option<[[Vec3; 2]; 2]> {
+    let &[a, b, c, d] = facet.loops[0].as_slice() else { return None };
+    let [a, b, c, d] = [a, b, c, d].map(|v| complex.vertices[v].point);
+    let length = |[p, q]: &[Vec3; 2]| (q - p).norm();
+    let is_ruling = |[p, q]: &[Vec3; 2]| support.closest(&((p + q) * 0.5)).is_straight_along(&(q - p));
+    let is_rim = |rulings: &[[Vec3; 2]; 2], chords: &[[Vec3; 2]; 2]| {
+        let least = chords.iter().map(length).fold(f64::INFINITY, f64::min);
+        rulings.iter().all(|r| length(r) < SHORTEST_STRIP * least && is_ruling(r))
+    };
+    let (across, along) = ([[a, b], [c, d]], [[b, c], [d, a]]);
+    if is_rim(&across, &along) { Some(along) } else { is_rim(&along, &across).then_some(across) }
 }
 
 /// Whether a point lies on the border of a facet.

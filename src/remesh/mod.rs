@@ -5,8 +5,8 @@
 //! surfaces, markers and interfaces. Planar facets stay polygons.
 //!
 //! 1. Supports: `patch` gives every curved surface its true shape, before anything changes.
-//! 2. What is remeshed (`bands`): all curved facets, or those near curves that an intersection made; strips are cut across
-//!    there. These facets are divided into triangles (`Brep::divide_facet`).
+//! 2. What is remeshed (`bands`): all curved facets but the rims of thin sheets, or those near curves that an intersection
+//!    made; strips are cut across there. These facets are divided into triangles (`Brep::divide_facet`).
 //! 3. Feature edges (`features`) are chained between corners; every chain gets its true curve, every vertex its place: corner,
 //!    on a curve, on a surface. A vertex of an intersection is projected on all surfaces at once. Facets between curves that
 //!    coincide on the true surfaces stay as evaluated (`pinches`).
@@ -107,7 +107,7 @@ pub fn remesh(complex: Complex, options: &RemeshOptions, parts: &IdVec<PartId, P
     let supports = supports_of(&complex, options.patches);
     let choice = match options.mode {
         RemeshMode::Interfaces => Choice::near_intersections(&mut complex, &supports),
-        _ => Choice::all(&complex, &supports),
+        _ => Choice::all(&complex, &supports, options, parts),
     };
     if !choice.is_chosen.contains(&true) {
         return Ok(evaluated);
