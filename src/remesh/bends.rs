@@ -44,8 +44,9 @@ const WIDE_COSINE: f64 = 0.1045;
 const COPLANAR: f64 = 1e-13;
 /// Smallest angle, in degrees, that bringing facets into one plane may leave.
 const FLAT_KEEPS: f64 = 40.0;
-/// The same where facets must be kept from being merged: by a move that leaves decent shapes if there is one, else by any.
-const FORCED_KEEPS: [f64; 2] = [30.0, 0.0];
+/// The same where facets must be kept from being merged: by a move that leaves decent shapes if there is one, else by any that
+/// leaves none so poor that facets around would be given up for it.
+const FORCED_KEEPS: [f64; 3] = [30.0, 10.0, 2.0];
 /// Deviation is measured at the points of a triangle whose barycentric coordinates are multiples of one over this: vertices
 /// that left their surface for a plane add to the chords' deviation between the points that are looked at elsewhere.
 const SAMPLES: u32 = 4;
