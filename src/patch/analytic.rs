@@ -111,27 +111,36 @@ pub struct Image {
     shape: Support,
     map: Affine,
     inverse: Affine,
+    /// The linear part of the inverse.
+    linear: Matrix3<f64>,
 }
 
-/// Steps after which the iteration for an image gives up improving; near the surface each step gains several digits.
+/// Steps after which the iteration for an image gives up improving; near the surface three are enough.
 const IMAGE_STEPS: usize = 60;
+/// Distance from an image, in radii of curvature, up to which steps follow its bending: well before the centre.
+const NEAR_IMAGE: f64 = 0.5;
+/// Such a step, in radii of curvature, after which the foot is exact but for rounding, by quadratic convergence.
+const LAST_STEP: f64 = 1e-8;
 
 impl Image {
     /// The image of a support; `None` if the map is singular.
     pub fn new(shape: Support, map: Affine) -> Option<Self> {
-        Some(Self { shape, map, inverse: map.try_inverse()? })
+        let inverse = map.try_inverse()?;
+        let linear = inverse.matrix().fixed_view::<3, 3>(0, 0).into_owned();
+        Some(Self { shape, map, inverse, linear })
     }
 
-    /// Foot by alternation: the tangent plane of the image at the last foot, the closest point on it pulled back, and the
-    /// closest point of the shape to that.
+    /// Foot by Newton's method: a step in the tangent plane of the image at the last foot, pulled back, and the closest point
+    /// of the shape to that.
     pub(super) fn closest(&self, point: &Vec3) -> Foot {
         let mut foot = self.image_foot(&self.shape.closest(&self.pull_back(point)));
         for _ in 0..IMAGE_STEPS {
-            let target = point - foot.normal * foot.normal.dot(&(point - foot.point));
-            let next = self.image_foot(&self.shape.closest(&self.pull_back(&target)));
+            let (step, is_newton) = step_towards(&foot, point);
+            let next = self.image_foot(&self.shape.closest(&self.pull_back(&(foot.point + step))));
             let moved = (next.point - foot.point).norm();
             foot = next;
-            if moved <= 4.0 * f64::EPSILON * foot.point.amax() {
+            let is_last = is_newton && moved * foot.largest_curvature() <= LAST_STEP;
+            if is_last || moved <= 4.0 * f64::EPSILON * foot.point.amax() {
                 break;
             }
         }
@@ -143,15 +152,27 @@ impl Image {
     }
 
     fn image_foot(&self, foot: &Foot) -> Foot {
-        let linear: Matrix3<f64> = self.inverse.matrix().fixed_view::<3, 3>(0, 0).into_owned();
-        let gradient = linear.transpose() * foot.normal;
-        let hessian = linear.transpose() * foot.bending * linear;
+        let gradient = self.linear.tr_mul(&foot.normal);
+        let hessian = self.linear.tr_mul(&(foot.bending * self.linear));
         Foot {
             point: self.map.transform_point(&foot.point.into()).coords,
             normal: gradient.try_normalize(0.0).unwrap_or_else(|| any_normal_to(&foot.normal)),
             bending: bending_of_level(&gradient, &hessian),
         }
     }
+}
+
+/// The step in the tangent plane of a foot after which the foot of a point is there but for the second order, and true; far
+/// from the surface the step to beneath the point, and false.
+fn step_towards(foot: &Foot, point: &Vec3) -> (Vec3, bool) {
+    let height = foot.normal.dot(&(point - foot.point));
+    let along = point - foot.point - foot.normal * height;
+    if height.abs() * foot.largest_curvature() > NEAR_IMAGE {
+        return (along, false);
+    }
+    // Normals turn by bending times step, and the foot moves by height times that less.
+    let inverse = (Matrix3::identity() + foot.bending * height).try_inverse();
+    inverse.map_or((along, false), |inverse| (inverse * along, true))
 }
 
 #[cfg(test)]
