@@ -111,31 +111,64 @@ pub struct Image {
     shape: Support,
     map: Affine,
     inverse: Affine,
+    /// The linear part of the inverse.
+    linear: Matrix3<f64>,
 }
 
-/// Steps after which the iteration for an image gives up improving; near the surface each step gains several digits.
+/// Steps after which the iteration for an image gives up improving; near the surface three are enough.
 const IMAGE_STEPS: usize = 60;
+/// Distance from an image, in radii of curvature, up to which steps follow its bending: well before the centre.
+const NEAR_IMAGE: f64 = 0.5;
+/// Such a step, in radii of curvature, after which the foot is exact but for rounding, by quadratic convergence.
+const LAST_STEP: f64 = 1e-8;
 
 impl Image {
     /// The image of a support; `None` if the map is singular.
     pub fn new(shape: Support, map: Affine) -> Option<Self> {
-        Some(Self { shape, map, inverse: map.try_inverse()? })
+        let inverse = map.try_inverse()?;
+        let linear = inverse.matrix().fixed_view::<3, 3>(0, 0).into_owned();
+        Some(Self { shape, map, inverse, linear })
     }
 
-    /// Foot by alternation: the tangent plane of the image at the last foot, the closest point on it pulled back, and the
-    /// closest point of the shape to that.
     pub(super) fn closest(&self, point: &Vec3) -> Foot {
-        let mut foot = self.image_foot(&self.shape.closest(&self.pull_back(point)));
+        self.image_foot(&self.approach(point).0)
+    }
+
+    pub(super) fn nearest(&self, point: &Vec3) -> Nearest {
+        let paraboloid = self.approach(point).1;
+        Nearest { point: paraboloid.apex, normal: paraboloid.normal, curvature: paraboloid.largest_curvature() }
+    }
+
+    /// Foot by Newton's method: a step in the tangent plane of the image at the last foot, pulled back, and the closest point
+    /// of the shape to that. Gives the foot on the shape and the image around it.
+    fn approach(&self, point: &Vec3) -> (Foot, Paraboloid) {
+        let mut foot = self.shape.closest(&self.pull_back(point));
+        let mut at = self.paraboloid(&foot);
         for _ in 0..IMAGE_STEPS {
-            let target = point - foot.normal * foot.normal.dot(&(point - foot.point));
-            let next = self.image_foot(&self.shape.closest(&self.pull_back(&target)));
-            let moved = (next.point - foot.point).norm();
-            foot = next;
-            if moved <= 4.0 * f64::EPSILON * foot.point.amax() {
+            let (step, is_newton) = at.step_towards(point);
+            foot = self.shape.closest(&self.pull_back(&(at.apex + step)));
+            let next = self.paraboloid(&foot);
+            let moved = (next.apex - at.apex).norm();
+            at = next;
+            let is_last = is_newton && moved * at.largest_curvature() <= LAST_STEP;
+            if is_last || moved <= 4.0 * f64::EPSILON * at.apex.amax() {
                 break;
             }
         }
-        foot
+        (foot, at)
+    }
+
+    /// The image about that of a foot of the shape.
+    fn paraboloid(&self, foot: &Foot) -> Paraboloid {
+        let gradient = self.linear.tr_mul(&foot.normal);
+        let length = gradient.norm();
+        let normal = gradient / length;
+        let u = any_normal_to(&normal);
+        let tangents = [u, normal.cross(&u)];
+        let [p, q] = tangents.map(|t| self.linear * t);
+        let (bent, across) = (foot.bending * p, foot.bending * q);
+        let bending = [p.dot(&bent), p.dot(&across), q.dot(&across)].map(|b| b / length);
+        Paraboloid { apex: self.map.transform_point(&foot.point.into()).coords, normal, tangents, bending }
     }
 
     fn pull_back(&self, point: &Vec3) -> Vec3 {
@@ -143,14 +176,47 @@ impl Image {
     }
 
     fn image_foot(&self, foot: &Foot) -> Foot {
-        let linear: Matrix3<f64> = self.inverse.matrix().fixed_view::<3, 3>(0, 0).into_owned();
-        let gradient = linear.transpose() * foot.normal;
-        let hessian = linear.transpose() * foot.bending * linear;
+        let gradient = self.linear.tr_mul(&foot.normal);
+        let hessian = self.linear.tr_mul(&(foot.bending * self.linear));
         Foot {
             point: self.map.transform_point(&foot.point.into()).coords,
             normal: gradient.try_normalize(0.0).unwrap_or_else(|| any_normal_to(&foot.normal)),
             bending: bending_of_level(&gradient, &hessian),
         }
+    }
+}
+
+/// A surface about one of its points, to second order.
+struct Paraboloid {
+    apex: Vec3,
+    normal: Vec3,
+    /// Orthogonal unit vectors.
+    tangents: [Vec3; 2],
+    /// Second fundamental form by these: of the first, mixed, of the second.
+    bending: [f64; 3],
+}
+
+impl Paraboloid {
+    fn largest_curvature(&self) -> f64 {
+        let [a, b, c] = self.bending;
+        let (mean, half) = ((a + c) * 0.5, (a - c) * 0.5);
+        mean.abs() + (half * half + b * b).sqrt()
+    }
+
+    /// The step in the tangent plane after which the foot of a point is there but for the second order, and true; far from the
+    /// surface the step to beneath the point, and false.
+    fn step_towards(&self, point: &Vec3) -> (Vec3, bool) {
+        let way = point - self.apex;
+        let height = self.normal.dot(&way);
+        let [u, v] = &self.tangents;
+        let (s, t) = (u.dot(&way), v.dot(&way));
+        if height.abs() * self.largest_curvature() > NEAR_IMAGE {
+            return (u * s + v * t, false);
+        }
+        // Normals turn by bending times step, and the foot moves by height times that less.
+        let [a, b, c] = self.bending.map(|b| b * height);
+        let determinant = (1.0 + a) * (1.0 + c) - b * b;
+        ((u * ((1.0 + c) * s - b * t) + v * ((1.0 + a) * t - b * s)) / determinant, true)
     }
 }
 

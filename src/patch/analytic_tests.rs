@@ -119,3 +119,23 @@ fn facets_have_their_corners_on_their_shapes() {
         }
     }
 }
+
+#[test]
+fn feet_on_an_elliptic_cylinder_are_exact_on_both_sides() {
+    let frame = Frame { origin: Vec3::zeros(), x: Vec3::x(), y: Vec3::y(), z: Vec3::z() };
+    let map = nalgebra::try_convert(nalgebra::Scale3::new(2.0, 1.0, 1.0).to_homogeneous()).unwrap();
+    let image = Support::Image(Box::new(Image::new(Support::Cone(Cone::new(frame, 1.0, 0.0)), map).unwrap()));
+    for k in 0..24 {
+        let (s, c) = (libm::sin(f64::from(k)), libm::cos(f64::from(k)));
+        // The ellipse (2 cos, sin): normal (cos, 2 sin), curvature 2 / (4 sin^2 + cos^2)^1.5, at least 0.25 and at most 2.
+        let (foot, normal) = (Vec3::new(2.0 * c, s, 0.3), Vec3::new(c, 2.0 * s, 0.0).normalize());
+        let curvature = 2.0 / (4.0 * s * s + c * c).powi(3).sqrt();
+        for distance in [0.0, 1e-3, 0.1, 0.2, -1e-3, -0.1, -0.2] {
+            let found = image.nearest(&(foot + normal * distance));
+            assert!((found.point - foot).norm() < 1e-14 * (1.0 + 100.0 * f64::abs(distance)), "{k} {distance} {found:?}");
+            assert!((found.normal - normal).norm() < 1e-12 && (found.curvature - curvature).abs() < 1e-12);
+            let full = image.closest(&(foot + normal * distance));
+            assert!((full.point - foot).norm() < 1e-12 && (full.largest_curvature() - curvature).abs() < 1e-12);
+        }
+    }
+}

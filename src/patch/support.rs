@@ -139,7 +139,8 @@ impl Support {
             Self::Cone(s) => s.nearest(point),
             Self::Ellipsoid(s) => s.nearest(point),
             Self::Fitted(s) => s.nearest(point),
-            Self::Torus(_) | Self::Image(_) => self.closest(point).into(),
+            Self::Image(s) => s.nearest(point),
+            Self::Torus(_) => self.closest(point).into(),
         }
     }
 

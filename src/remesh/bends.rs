@@ -368,7 +368,9 @@ impl Bends<'_> {
         let mut best: Option<(Rank, Shift)> = None;
         let here = self.harm(edge, None);
         for &vertex in vertices {
-            let shifts = places(vertex).into_iter().map(|to| self.shift(vertex, to));
+            let mut places = places(vertex);
+            self.keep_within_bound(vertex, &mut places);
+            let shifts = places.into_iter().map(|to| self.shift(vertex, to));
             let shifts: Vec<Shift> = shifts.filter(|t| self.harm(edge, Some(t)) < here).collect();
             if shifts.is_empty() {
                 continue;
@@ -379,7 +381,7 @@ impl Bends<'_> {
             let before = harm(None);
             let mended = shifts.into_iter().map(|t| (before.saturating_sub(harm(Some(&t))), t));
             let mut shifts: Vec<(usize, Shift)> = mended.filter(|p| p.0 > 0).collect();
-            self.keep_within_reach(vertex, &mut shifts);
+            self.keep_clear(vertex, &mut shifts);
             if shifts.is_empty() {
                 continue;
             }
@@ -398,17 +400,22 @@ impl Bends<'_> {
         best.map(|b| b.1)
     }
 
-    /// Drops the places where a vertex deviates by more than its triangles may, or does not keep clear of what is across a gap.
-    fn keep_within_reach(&self, vertex: VertexId, shifts: &mut Vec<(usize, Shift)>) {
+    /// Drops the places where a vertex deviates by more than its triangles may: most of those in the plane of a facet beside,
+    /// and one look at the surface is less than what the bends around ask for.
+    fn keep_within_bound(&self, vertex: VertexId, places: &mut Vec<Vec3>) {
+        let Place::Surface(surface) = self.work.place(vertex) else { return };
+        let Some(support) = self.work.supports[surface].as_deref().filter(|_| !places.is_empty()) else { return };
+        let star = self.work.star(vertex);
+        let Some(&facet) = star.first() else { return };
+        let allowed = self.work.allowed(self.work.worst(&star));
+        places.retain(|to| self.work.is_allowed_at(support, facet, to, allowed));
+    }
+
+    /// Drops the places where a vertex does not keep clear of what is across a gap.
+    fn keep_clear(&self, vertex: VertexId, shifts: &mut Vec<(usize, Shift)>) {
         let Place::Surface(surface) = self.work.place(vertex) else { return };
         let Some(support) = self.work.supports[surface].as_deref() else { return };
-        let star = self.work.star(vertex);
-        let Some(&facet) = star.first().filter(|_| !shifts.is_empty()) else { return };
-        let allowed = self.work.allowed(self.work.worst(&star));
-        shifts.retain(|(_, Shift { to, .. })| {
-            self.work.is_allowed_at(support, facet, to, allowed)
-                && self.limits.is_clear(to, support.distance(to) / GAP_SHARE, surface)
-        });
+        shifts.retain(|(_, Shift { to, .. })| self.limits.is_clear(to, support.distance(to) / GAP_SHARE, surface));
     }
 
     /// Places of a vertex in the planes of those facets at an edge that it is not a corner of: the feet, or, on a curve, where

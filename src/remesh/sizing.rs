@@ -9,6 +9,7 @@ use crate::ids::{FacetId, Id, IdVec, MarkerId, PartId, SurfaceId, VertexId};
 use crate::patch::fit::closest_on_triangle;
 use crate::patch::support::{Foot, Support};
 use crate::scene::model::Part;
+use std::cell::Cell;
 
 /// Wanted edge length as a fraction of the one whose chord has just the allowed deviation. Lengths scatter by a quarter about
 /// the wanted one, and few should have to be split for their deviation alone.
@@ -166,6 +167,8 @@ pub(super) struct Limits {
     large: f64,
     /// By marker: the length that its largest edge asks for.
     wanted: IdVec<MarkerId, f64>,
+    /// Whether a gap was met that is too narrow for lengths to follow: facets may meet across it.
+    pub is_cramped: Cell<bool>,
 }
 
 impl Limits {
@@ -194,6 +197,7 @@ impl Limits {
             triangles,
             touching,
             least: LEAST_SIZE * size,
+            is_cramped: Cell::new(false),
             large: LARGE_SIZE * size,
             wanted: brep.markers.iter().map(|m| wanted_on(m, parts)).collect(),
         }
@@ -202,6 +206,9 @@ impl Limits {
     /// The wanted length, at most `length` and `wanted`, at a point of some surfaces; gaps do not make it less than `finest`.
     fn limit(&self, point: &Vec3, [length, wanted]: [f64; 2], surfaces: &[SurfaceId], finest: f64) -> f64 {
         let limited = PER_GAP * self.gap(point, length.min(wanted) / PER_GAP, surfaces);
+        if limited < finest.min(wanted) {
+            self.is_cramped.set(true);
+        }
         limited.max(finest.min(wanted)).max(self.least)
     }
 
