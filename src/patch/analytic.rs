@@ -117,7 +117,7 @@ pub struct Image {
 
 /// Steps after which the iteration for an image gives up improving; near the surface three are enough.
 const IMAGE_STEPS: usize = 60;
-/// Distance from an image, in radii of curvature, up to which steps follow its bending: well before the centre.
+/// Distance from an image towards a centre of curvature, in radii, up to which steps follow its bending: well before the centre.
 const NEAR_IMAGE: f64 = 0.5;
 /// Such a step, in radii of curvature, after which the foot is exact but for rounding, by quadratic convergence.
 const LAST_STEP: f64 = 1e-8;
@@ -203,18 +203,18 @@ impl Paraboloid {
         mean.abs() + (half * half + b * b).sqrt()
     }
 
-    /// The step in the tangent plane after which the foot of a point is there but for the second order, and true; far from the
-    /// surface the step to beneath the point, and false.
+    /// The step in the tangent plane after which the foot of a point is there but for the second order, and true; near a centre
+    /// of curvature the step to beneath the point, and false.
     fn step_towards(&self, point: &Vec3) -> (Vec3, bool) {
         let way = point - self.apex;
         let height = self.normal.dot(&way);
         let [u, v] = &self.tangents;
         let (s, t) = (u.dot(&way), v.dot(&way));
-        if height.abs() * self.largest_curvature() > NEAR_IMAGE {
-            return (u * s + v * t, false);
-        }
         // Normals turn by bending times step, and the foot moves by height times that less.
         let [a, b, c] = self.bending.map(|b| b * height);
+        if 0.5 * ((a + c) - libm::hypot(a - c, 2.0 * b)) < -NEAR_IMAGE {
+            return (u * s + v * t, false);
+        }
         let determinant = (1.0 + a) * (1.0 + c) - b * b;
         ((u * ((1.0 + c) * s - b * t) + v * ((1.0 + a) * t - b * s)) / determinant, true)
     }

@@ -130,7 +130,7 @@ fn feet_on_an_elliptic_cylinder_are_exact_on_both_sides() {
         // The ellipse (2 cos, sin): normal (cos, 2 sin), curvature 2 / (4 sin^2 + cos^2)^1.5, at least 0.25 and at most 2.
         let (foot, normal) = (Vec3::new(2.0 * c, s, 0.3), Vec3::new(c, 2.0 * s, 0.0).normalize());
         let curvature = 2.0 / (4.0 * s * s + c * c).powi(3).sqrt();
-        for distance in [0.0, 1e-3, 0.1, 0.2, -1e-3, -0.1, -0.2] {
+        for distance in [0.0, 1e-3, 0.1, 0.2, 10.0, -1e-3, -0.1, -0.2] {
             let found = image.nearest(&(foot + normal * distance));
             assert!((found.point - foot).norm() < 1e-14 * (1.0 + 100.0 * f64::abs(distance)), "{k} {distance} {found:?}");
             assert!((found.normal - normal).norm() < 1e-12 && (found.curvature - curvature).abs() < 1e-12);
