@@ -37,6 +37,8 @@ const FEATURE_COSINE: f64 = 0.766;
 /// files with 1e17 exist and can be computed with. Beyond these, determinants of coordinates leave the range of floats.
 const LARGEST: f64 = 1e30;
 const SMALLEST: f64 = 1e-30;
+/// What to do about an open surface in general.
+const OPEN: &str = "close its holes, or give the import a tolerance that welds its points";
 /// Places listed in a message.
 const LISTED: usize = 5;
 
@@ -199,7 +201,14 @@ fn check_closed(surface: &Surface, sides: &Sides, file: &str) -> Result<(), Diag
     } else if is_twisted {
         ("facets of opposite orientation meet", "orient all facets outwards")
     } else {
-        ("the surface is not closed", "close its holes, or give the import a tolerance that welds its points")
+        ("the surface is not closed", OPEN)
+    };
+    let is_near = || weld::merged(surface, STL_TOLERANCE).is_some_and(|merged| !merged.surface.is_open());
+    let hint = match hint == OPEN && is_near() {
+        true => format!(
+            "give the import `tolerance: {STL_TOLERANCE:e}`: points nearer than that are not the same, and it is then closed"
+        ),
+        false => hint.to_owned(),
     };
     let message = format!("{file}: {message} at {} edges", open.len());
     let places = open.iter().take(LISTED).map(|e| (surface.points[e.0[0] as usize] + surface.points[e.0[1] as usize]) * 0.5);

@@ -54,6 +54,11 @@ fn inside_out_is_turned_and_bent_polygons_are_cut() {
 fn faults_are_named() {
     let open = read("d.off", &CUBE.replace("8 6 0", "8 5 0")).unwrap_err();
     assert_eq!((open.code, open.points.len()), ("open-surface", 4));
+    assert!(open.hints[0].contains("close its holes"));
+    // Two squares with a top corner of their own, 1e-9 apart.
+    let near = CUBE.replace("8 6 0", "9 6 0").replace("0 1 1\n", "0 1 1\n0 1 1.000000001\n").replace("4 3 0 4 7", "4 3 0 4 8");
+    let fault = read("z.off", &near).unwrap_err();
+    assert!(fault.code == "open-surface" && fault.hints[0].contains("`tolerance: 1e-6`"), "{fault:?}");
     let twisted = read("e.off", &CUBE.replace("4 3 0 4 7", "4 7 4 0 3")).unwrap_err();
     assert!(twisted.message.contains("opposite orientation"));
     let doubled = read("i.off", &(CUBE.replace("8 6 0", "8 7 0") + "4 3 0 4 7\n")).unwrap_err();
