@@ -23,6 +23,11 @@ const MAX_LINKS: usize = 40;
 /// One diagnostic with the path and the reason of the system.
 pub fn write_all(files: &[NewFile]) -> Result<(), Diagnostic> {
     let files: Vec<NewFile> = files.iter().map(|f| NewFile { path: target(&f.path), content: f.content }).collect();
+    // A rename would put a file in the place of a device or pipe. (Of folders it fails.)
+    let is_special = |path: &Path| fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir());
+    if let Some(file) = files.iter().find(|f| is_special(&f.path)) {
+        return Err(refused(&file.path, &io::Error::other("it is no regular file")));
+    }
     let temporary: Vec<PathBuf> = files.iter().map(|f| beside(&f.path, "new")).collect();
     let discard = || temporary.iter().for_each(|t| drop(fs::remove_file(t)));
     for (file, temporary) in files.iter().zip(&temporary) {
@@ -122,6 +127,9 @@ mod tests {
         write_all(&[file("c"), file("d")]).unwrap();
         assert!(["b", "c", "d"].iter().all(|name| fs::symlink_metadata(folder.join(name)).unwrap().is_symlink()));
         assert!(["deep/a", "deep/new"].iter().all(|name| fs::read(folder.join(name)).unwrap() == b"new"));
+        std::os::unix::fs::symlink("/dev/null", folder.join("e")).unwrap();
+        assert!(write_all(&[file("e")]).unwrap_err().message.contains("no regular file"));
+        fs::remove_file(folder.join("e")).unwrap();
         assert_eq!((fs::read_dir(&folder).unwrap().count(), fs::read_dir(folder.join("deep")).unwrap().count()), (4, 2));
         fs::remove_dir_all(&folder).unwrap();
     }
