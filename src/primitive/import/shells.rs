@@ -23,11 +23,15 @@ struct Fin {
 /// O(n log n).
 pub(super) fn shells(surface: &Surface, sides: &Sides, (triangles, polygon_of): (&[[u32; 3]], &[u32])) -> (Vec<u32>, usize) {
     let mut sets = UnionFind::new(surface.polygons.count());
-    let mut shared: IndexMap<[u32; 2], Vec<Fin>> = IndexMap::default();
+    let mut shared: Vec<([u32; 2], Vec<Fin>)> = Vec::new();
+    let mut number: IndexMap<[u32; 2], usize> = IndexMap::default();
     for (ends, sides) in sides.edges() {
         match sides {
             [a, b] => sets.join(a.polygon(), b.polygon()),
-            _ => drop(shared.insert(ends, Vec::new())),
+            _ => {
+                number.insert(ends, shared.len());
+                shared.push((ends, Vec::new()));
+            }
         }
     }
     if shared.is_empty() {
@@ -35,12 +39,11 @@ pub(super) fn shells(surface: &Surface, sides: &Sides, (triangles, polygon_of): 
     }
     for (&[a, b, c], &polygon) in triangles.iter().zip(polygon_of) {
         for (from, to, apex) in [(a, b, c), (b, c, a), (c, a, b)] {
-            if let Some(fins) = shared.get_mut(&[from.min(to), from.max(to)]) {
-                fins.push(Fin { apex, polygon, is_upwards: from < to });
+            if let Some(&edge) = number.get(&[from.min(to), from.max(to)]) {
+                shared[edge].1.push(Fin { apex, polygon, is_upwards: from < to });
             }
         }
     }
-    // In any order: sets are the same.
     for (ends, mut fins) in shared {
         let [from, to] = ends.map(|v| &surface.points[v as usize]);
         let axis = Axis { from, to };
