@@ -7,6 +7,19 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::{self, Display};
 
+/// A text in which no carriage return stands alone: as the only line ends (old Macs, some spreadsheets) they become line feeds,
+/// which places in messages, comments and readers go by. As long as before.
+pub(crate) fn with_line_feeds(text: String) -> String {
+    let mut pieces = text.split('\r');
+    let mut found = String::with_capacity(text.len());
+    found.push_str(pieces.next().unwrap_or_default());
+    for piece in pieces {
+        found.push(if piece.starts_with('\n') { '\r' } else { '\n' });
+        found.push_str(piece);
+    }
+    found
+}
+
 /// How bad it is.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -174,5 +187,10 @@ mod tests {
         }
         let said: Vec<String> = tally.finish().into_iter().map(|d| d.message).collect();
         assert_eq!(said, ["b (the first of 3 places)", "a"]);
+    }
+
+    #[test]
+    fn a_carriage_return_alone_ends_a_line() {
+        assert_eq!(with_line_feeds("a\rb\r\nc\n\r\r".into()), "a\nb\r\nc\n\n\n");
     }
 }

@@ -110,7 +110,7 @@ fn evaluate_pieces(
     for owner in &mut conforming.owners {
         owner.facet = pieces.get(owner.leaf.index()).map_or(owner.facet, |p| p[owner.facet as usize].facet);
     }
-    let (exact, statistics) = choose(scene, solids, conforming, (&mut warnings, errors), timings)?;
+    let (exact, statistics) = choose(scene, solids, conforming, &mut warnings, errors, timings)?;
     let rounded = timings.measure("round", || round::round(exact, solids, tolerance, size)).map_err(single)?;
     match rounded {
         Rounded::Valid { complex, repairs } => Ok(Evaluation { complex, statistics, repairs, tolerance, warnings }),
@@ -124,7 +124,8 @@ fn choose(
     scene: &Scene,
     solids: &[Solid],
     conforming: Conforming,
-    (warnings, mut errors): (&mut Vec<Diagnostic>, Vec<Diagnostic>),
+    warnings: &mut Vec<Diagnostic>,
+    mut errors: Vec<Diagnostic>,
     timings: &mut Timings,
 ) -> Outcome<(Exact, Statistics)> {
     let arrangement = timings.measure("arrangement", || arrangement::arrange(&conforming));

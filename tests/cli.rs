@@ -261,6 +261,24 @@ fn files_as_windows_writes_them_are_read() {
     assert_eq!(gsm(["check", "BOX.POLY"], &folder).status.code(), Some(1));
 }
 
+#[test]
+fn lines_that_end_in_carriage_returns_are_counted() {
+    let folder = folder("cli-returns");
+    let old = |text: &str| text.replace('\n', "\r");
+    fs::write(folder.join("good.ron"), old(&format!("// A comment\n{GOOD}\n"))).unwrap();
+    assert_eq!(gsm(["build", "good.ron", "-o", "box.poly"], &folder).status.code(), Some(0));
+    fs::write(folder.join("box.poly"), old(&fs::read_to_string(folder.join("box.poly")).unwrap())).unwrap();
+    assert_eq!(gsm(["check", "box.poly"], &folder).status.code(), Some(0));
+    let said = |name: &str, text: &str| {
+        fs::write(folder.join(name), old(text)).unwrap();
+        let run = gsm(["check", name], &folder);
+        assert_eq!(run.status.code(), Some(1));
+        String::from_utf8([run.stdout, run.stderr].concat()).unwrap()
+    };
+    assert!(said("bad.ron", "// A comment\nScene(\n  units: \"mm\",\n  part: [])\n").contains("bad.ron:4:3: "));
+    assert!(said("bad.poly", "# A comment\n1 3\n1 0 x 0\n").contains("bad.poly:3:5: "));
+}
+
 #[cfg(unix)]
 #[test]
 fn a_folder_for_temporary_files_that_cannot_be_written_is_named() {

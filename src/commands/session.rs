@@ -1,7 +1,7 @@
 //! What all commands share: where output goes, how diagnostics look, exit codes.
 
 use crate::cli::{Changes, Common, Remesh};
-use crate::diag::{Diagnostic, Severity};
+use crate::diag::{Diagnostic, Severity, with_line_feeds};
 use crate::pipeline::Overrides;
 use crate::report::diagnostics::{self, Style};
 use crate::report::timing::{Listener, Timings};
@@ -150,7 +150,7 @@ pub fn is_colour_wanted() -> bool {
 pub fn source_for(diagnostics: &[Diagnostic], file: &Path) -> Option<String> {
     diagnostics.iter().find(|d| d.span.is_some())?;
     let is_small = std::fs::metadata(file).is_ok_and(|m| m.is_file() && m.len() <= MAX_SHOWN_TEXT);
-    if is_small { std::fs::read_to_string(file).ok() } else { None }
+    if is_small { std::fs::read_to_string(file).ok().map(with_line_feeds) } else { None }
 }
 
 fn show_progress(stage: &str) {

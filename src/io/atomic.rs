@@ -13,12 +13,21 @@ pub struct NewFile<'a> {
     pub content: &'a [u8],
 }
 
-/// Writes all files, or none: each goes to a temporary name in its folder, is flushed and synced, and only when all are
+/// Links that a name may lead through, as Linux follows.
+const MAX_LINKS: usize = 40;
+
+/// Writes all files, or none; where a name is a symbolic link, the file that it leads to. Each goes to a temporary name in its folder, is flushed and synced, and only when all are
 /// complete they are renamed. Where a rename fails, those before it are undone.
 ///
 /// # Errors
 /// One diagnostic with the path and the reason of the system.
 pub fn write_all(files: &[NewFile]) -> Result<(), Diagnostic> {
+    let files: Vec<NewFile> = files.iter().map(|f| NewFile { path: target(&f.path), content: f.content }).collect();
+    // A rename would put a file in the place of a device or pipe. (Of folders it fails.)
+    let is_special = |path: &Path| fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir());
+    if let Some(file) = files.iter().find(|f| is_special(&f.path)) {
+        return Err(refused(&file.path, &io::Error::other("it is no regular file")));
+    }
     let temporary: Vec<PathBuf> = files.iter().map(|f| beside(&f.path, "new")).collect();
     let discard = || temporary.iter().for_each(|t| drop(fs::remove_file(t)));
     for (file, temporary) in files.iter().zip(&temporary) {
@@ -46,11 +55,18 @@ pub fn write_all(files: &[NewFile]) -> Result<(), Diagnostic> {
         }
     }
     backups.iter().for_each(|b| drop(fs::remove_file(b)));
-    for file in files {
+    for file in &files {
         // The rename itself reaches the disk with its folder; not every system can sync a folder.
         drop(File::open(folder_of(&file.path)).and_then(|d| d.sync_all()));
     }
     outcome
+}
+
+/// Where a name leads through symbolic links, there or not: renaming onto a link would replace the link.
+fn target(path: &Path) -> PathBuf {
+    let onward = |at: &PathBuf| fs::read_link(at).ok().map(|next| folder_of(at).join(next));
+    let chain = std::iter::successors(Some(path.to_owned()), onward);
+    chain.take(MAX_LINKS + 1).last().unwrap_or_else(|| path.to_owned())
 }
 
 fn folder_of(path: &Path) -> &Path {
@@ -94,6 +110,27 @@ mod tests {
         assert!(write_all(&[file("a"), file("b")]).is_ok());
         assert_eq!(fs::read(folder.join("a")).unwrap(), b"new");
         assert_eq!(fs::read_dir(&folder).unwrap().count(), 3);
+        fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_stay_and_their_targets_are_written() {
+        let folder = std::env::temp_dir().join(format!("gsm-links-{}", std::process::id()));
+        fs::create_dir_all(folder.join("deep")).unwrap();
+        fs::write(folder.join("deep/a"), "old").unwrap();
+        // Two links in a row, and one to a file that is not there yet.
+        for (to, name) in [("deep/a", "b"), ("b", "c"), ("deep/new", "d")] {
+            std::os::unix::fs::symlink(to, folder.join(name)).unwrap();
+        }
+        let file = |name: &str| NewFile { path: folder.join(name), content: b"new" };
+        write_all(&[file("c"), file("d")]).unwrap();
+        assert!(["b", "c", "d"].iter().all(|name| fs::symlink_metadata(folder.join(name)).unwrap().is_symlink()));
+        assert!(["deep/a", "deep/new"].iter().all(|name| fs::read(folder.join(name)).unwrap() == b"new"));
+        std::os::unix::fs::symlink("/dev/null", folder.join("e")).unwrap();
+        assert!(write_all(&[file("e")]).unwrap_err().message.contains("no regular file"));
+        fs::remove_file(folder.join("e")).unwrap();
+        assert_eq!((fs::read_dir(&folder).unwrap().count(), fs::read_dir(folder.join("deep")).unwrap().count()), (4, 2));
         fs::remove_dir_all(&folder).unwrap();
     }
 }

@@ -2,7 +2,7 @@
 
 use super::mesh::Mesh;
 use super::{glb, medit, msh, ply, smesh, vtu, write_obj, write_off, write_stl};
-use crate::diag::Diagnostic;
+use crate::diag::{Diagnostic, with_line_feeds};
 use std::fs;
 use std::path::Path;
 
@@ -116,5 +116,5 @@ pub(crate) fn read_text(path: &Path) -> Result<String, Diagnostic> {
     if meta.len() > MAX_FILE_BYTES {
         return Err(fault(format!("has {} bytes, more than {MAX_FILE_BYTES}", meta.len())));
     }
-    fs::read_to_string(path).map_err(|e| fault(e.to_string()))
+    fs::read_to_string(path).map(with_line_feeds).map_err(|e| fault(e.to_string()))
 }

@@ -23,8 +23,9 @@ pub mod write_obj;
 pub mod write_off;
 pub mod write_stl;
 
-use crate::diag::Diagnostic;
+use crate::diag::{Diagnostic, with_line_feeds};
 use crate::geom::lists::Lists;
+use std::borrow::Cow;
 use std::path::Path;
 
 /// Largest surface file: what is longer has more facets than a leaf may have.
@@ -96,7 +97,10 @@ pub fn read_surface(path: &Path) -> Result<PolygonMesh, Diagnostic> {
     }
     let bytes = std::fs::read(path).map_err(cannot)?;
     // Some programs begin a text with a byte order mark.
-    let text = || String::from_utf8_lossy(bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&bytes));
+    let text = || {
+        let text = String::from_utf8_lossy(bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&bytes));
+        if text.contains('\r') { Cow::Owned(with_line_feeds(text.into_owned())) } else { text }
+    };
     let mesh = match format {
         SurfaceFormat::Obj => obj::read(&text()),
         SurfaceFormat::Off => off::read(&text()),

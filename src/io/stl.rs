@@ -1,6 +1,7 @@
 //! Stereolithography, text or binary: triangles, each with its own points.
 
 use super::{FormatError, PolygonMesh, coordinates};
+use crate::diag::with_line_feeds;
 
 /// Bytes before the triangles of a binary file, the last four being their number.
 const HEADER: usize = 84;
@@ -18,7 +19,7 @@ pub fn read(bytes: &[u8]) -> Result<PolygonMesh, FormatError> {
     if is_binary {
         read_binary(&bytes[HEADER..], &mut mesh)?;
     } else if bytes.trim_ascii_start().starts_with(b"solid") && !bytes.contains(&0) {
-        read_text(&String::from_utf8_lossy(bytes), &mut mesh)?;
+        read_text(&with_line_feeds(String::from_utf8_lossy(bytes).into_owned()), &mut mesh)?;
     } else {
         let message = match declared {
             Some(n) if bytes.contains(&0) => {

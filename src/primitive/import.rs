@@ -1,7 +1,7 @@
 //! Imported surfaces: what a file gives becomes a closed, oriented [`Solid`], or an error that says where it is not.
 //!
-//! Steps: points of equal coordinates become one, those within its tolerance too (of STL by default), unless that opened a
-//! closed surface; polygons that collapse vanish, those without area become a part of a neighbour ([`flat`]); polygons that are
+//! Steps: points of equal coordinates become one, those within its tolerance too (of STL by default), unless the surface is
+//! closed without that and a shell would collapse or touch itself ([`weld`]); polygons that collapse vanish, those without area become a part of a neighbour ([`flat`]); polygons that are
 //! not planar or not simple become triangles; every directed edge must be matched; shells that are inside out are turned
 //! ([`nesting`]); pieces of one plane become one polygon ([`flats`]). Edges with several matched uses (two cubes that touch) are
 //! allowed.
@@ -9,7 +9,9 @@
 mod flat;
 mod flats;
 mod nesting;
+mod shells;
 mod sides;
+mod weld;
 
 use super::division::MAX_FACETS;
 use super::place::Place;
@@ -18,10 +20,9 @@ use crate::diag::{Diagnostic, short};
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
 use crate::geom::embedding;
-use crate::geom::hash::IndexMap;
 use crate::geom::lists::Lists;
 use crate::geom::polygon::{triangulate, vector_area};
-use crate::io::{self, PolygonMesh, SurfaceFormat};
+use crate::io::{self, SurfaceFormat};
 use crate::scene::model::Leaf;
 use sides::Sides;
 use std::path::Path;
@@ -36,11 +37,10 @@ const FEATURE_COSINE: f64 = 0.766;
 /// files with 1e17 exist and can be computed with. Beyond these, determinants of coordinates leave the range of floats.
 const LARGEST: f64 = 1e30;
 const SMALLEST: f64 = 1e-30;
+/// What to do about an open surface in general.
+const OPEN: &str = "close its holes, or give the import a tolerance that welds its points";
 /// Places listed in a message.
 const LISTED: usize = 5;
-
-/// Cell of the grid that finds points within reach, in reaches: most points lie further from the border of their cell.
-const CELL: f64 = 8.0;
 
 /// Polygons over welded points, with their groups.
 struct Surface {
@@ -83,27 +83,20 @@ pub(crate) fn import(leaf: &Leaf, path: &Path, scale: f64) -> Result<Solid, Diag
         Some(SurfaceFormat::Stl) => STL_TOLERANCE,
         _ => 0.0,
     });
-    let mut surface = welded(&mesh, &points, 0.0);
-    if tolerance > 0.0 {
-        let merged = welded(&mesh, &points, tolerance);
-        if merged.points.len() < surface.points.len() && (surface.is_open() || !merged.is_open()) {
-            surface = merged;
-        }
-    }
+    let exact = weld::identified(&mesh, &points);
     let groups = mesh.groups;
     // Their memory serves what follows.
     drop((mesh.points, mesh.polygons, mesh.group_of, points));
-    flat::absorb(&mut surface);
-    split_bent(&mut surface, &file)?;
-    let sides = Sides::new(&surface);
-    check_closed(&surface, &sides, &file)?;
-    if place.is_mirrored() {
-        surface.turn();
-    }
-    let (triangles, polygon_of) = surface.triangles();
-    let is_flat = surface.volume() == 0.0;
-    check_embedded(&surface, &triangles, &file).map_err(|fault| if is_flat { without_volume(&file) } else { fault })?;
-    nesting::orient(&mut surface, &sides, (&triangles, &polygon_of), &file)?;
+    let closed = |surface| closed(surface, place.is_mirrored(), &file);
+    let merged = (tolerance > 0.0).then(|| weld::merged(&exact, tolerance)).flatten();
+    let (mut surface, sides) = match merged {
+        None => closed(exact),
+        // The file needs it: its points were rounded one by one.
+        Some(merged) if exact.is_open() => closed(merged.surface).map_err(|fault| told_of_merging(fault, tolerance * extent)),
+        Some(merged) if merged.lost_a_shell(&exact) => closed(exact),
+        // A foil whose sides became one, or a gap that vanished: then what the file says is meant.
+        Some(merged) => closed(merged.surface).or_else(|_| closed(exact)),
+    }?;
     let freedoms = freedoms(&surface, &sides);
     // Other diagonals of facets that are planar to rounding only may meet what the first ones miss.
     if let Some(joined) = flats::join(&surface, &sides, surface.flatness())
@@ -112,6 +105,33 @@ pub(crate) fn import(leaf: &Leaf, path: &Path, scale: f64) -> Result<Solid, Diag
         surface = joined;
     }
     Ok(finish(surface, &freedoms, groups))
+}
+
+/// The surface as it bounds a solid, with the edges of its polygons; `is_mirrored` turns all of them.
+fn closed(mut surface: Surface, is_mirrored: bool, file: &str) -> Result<(Surface, Sides), Diagnostic> {
+    flat::absorb(&mut surface);
+    split_bent(&mut surface, file)?;
+    let sides = Sides::new(&surface);
+    check_closed(&surface, &sides, file)?;
+    if is_mirrored {
+        surface.turn();
+    }
+    let (triangles, polygon_of) = surface.triangles();
+    let is_flat = surface.volume() == 0.0;
+    check_embedded(&surface, &triangles, file).map_err(|fault| if is_flat { without_volume(file) } else { fault })?;
+    nesting::orient(&mut surface, &sides, (&triangles, &polygon_of), file)?;
+    Ok((surface, sides))
+}
+
+/// What is wrong with a surface that is closed only after points within `reach` became one, which may be why.
+fn told_of_merging(fault: Diagnostic, reach: f64) -> Diagnostic {
+    if fault.code == "open-surface" {
+        return fault;
+    }
+    let reach = short(reach);
+    fault.hint(format!(
+        "points within {reach} units became one, as it is not closed without: try a smaller `tolerance` of the import"
+    ))
 }
 
 fn without_volume(file: &str) -> Diagnostic {
@@ -169,49 +189,6 @@ impl Surface {
     }
 }
 
-/// One point for all that have equal coordinates, or (with a tolerance, a fraction of the size) that an earlier one is within
-/// reach of.
-fn welded(mesh: &PolygonMesh, points: &[Vec3], tolerance: f64) -> Surface {
-    let reach = tolerance * Aabb::around(points).diagonal();
-    let mut kept: Vec<Vec3> = Vec::new();
-    let mut exact: IndexMap<[u64; 3], u32> = IndexMap::with_capacity_and_hasher(points.len(), Default::default());
-    let mut near: IndexMap<[i64; 3], Vec<u32>> = IndexMap::default();
-    let mut number = vec![u32::MAX; points.len()];
-    for (k, p) in points.iter().enumerate() {
-        let bits: [u64; 3] = std::array::from_fn(|i| (p[i] + 0.0).to_bits());
-        number[k] = *exact.entry(bits).or_insert_with(|| {
-            if reach > 0.0 {
-                let slot = |by: f64| -> [i64; 3] { std::array::from_fn(|i| ((p[i] + by) / (CELL * reach)).floor() as i64) };
-                let (lo, hi) = (slot(-reach), slot(reach));
-                let cells =
-                    (lo[0]..=hi[0]).flat_map(|x| (lo[1]..=hi[1]).flat_map(move |y| (lo[2]..=hi[2]).map(move |z| [x, y, z])));
-                let points = cells.filter_map(|cell| near.get(&cell)).flatten().copied();
-                if let Some(v) = points.filter(|&v| (kept[v as usize] - p).norm() <= reach).min() {
-                    return v;
-                }
-                near.entry(slot(0.0)).or_default().push(kept.len() as u32);
-            }
-            kept.push(*p);
-            kept.len() as u32 - 1
-        });
-    }
-    let mut surface = Surface { points: kept, polygons: Lists::default(), group_of: Vec::with_capacity(mesh.group_of.len()) };
-    let mut walk: Vec<u32> = Vec::new();
-    for (polygon, group) in mesh.polygons.iter().zip(&mesh.group_of) {
-        walk.clear();
-        walk.extend(polygon.iter().map(|v| number[*v as usize]));
-        walk.dedup();
-        while walk.len() > 1 && walk.first() == walk.last() {
-            walk.pop();
-        }
-        if walk.len() >= 3 {
-            surface.polygons.push(walk.iter().copied());
-            surface.group_of.push(*group);
-        }
-    }
-    surface
-}
-
 fn check_closed(surface: &Surface, sides: &Sides, file: &str) -> Result<(), Diagnostic> {
     let open: Vec<sides::Edge> = sides.edges().filter(sides::is_open).collect();
     if open.is_empty() {
@@ -224,7 +201,14 @@ fn check_closed(surface: &Surface, sides: &Sides, file: &str) -> Result<(), Diag
     } else if is_twisted {
         ("facets of opposite orientation meet", "orient all facets outwards")
     } else {
-        ("the surface is not closed", "close its holes, or give the import a tolerance that welds its points")
+        ("the surface is not closed", OPEN)
+    };
+    let is_near = || weld::merged(surface, STL_TOLERANCE).is_some_and(|merged| !merged.surface.is_open());
+    let hint = match hint == OPEN && is_near() {
+        true => format!(
+            "give the import `tolerance: {STL_TOLERANCE:e}`: points nearer than that are not the same, and it is then closed"
+        ),
+        false => hint.to_owned(),
     };
     let message = format!("{file}: {message} at {} edges", open.len());
     let places = open.iter().take(LISTED).map(|e| (surface.points[e.0[0] as usize] + surface.points[e.0[1] as usize]) * 0.5);

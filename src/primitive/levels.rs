@@ -193,6 +193,17 @@ fn across_rings(surface: &Surface) -> Vec3 {
     if normal.dot(&axis.z) < 0.0 { -normal } else { normal }
 }
 
+/// Height of a level that surfaces end at, and a point there.
+type HardLevel = (f64, Vec3);
+
+/// One level for all ends (height, ruled surface, point) that lie within `reach` of the next, from below.
+fn hard_levels(mut ends: Vec<(f64, usize, Vec3)>, reach: f64) -> Vec<HardLevel> {
+    ends.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let near = ends.chunk_by(|a, b| b.0 - a.0 <= reach);
+    // Of those that agree, the earliest leaf's.
+    near.filter_map(|near| near.iter().min_by_key(|e| e.1)).map(|e| (e.0, e.2)).collect()
+}
+
 /// The levels of the surfaces of one group.
 fn divide_group(members: &[usize], all: &[Ruled], surfaces: &[Surface], of: &[usize], reach: f64) -> Vec<(usize, Levels)> {
     let first = &surfaces[of[members[0]]];
@@ -205,14 +216,8 @@ fn divide_group(members: &[usize], all: &[Ruled], surfaces: &[Surface], of: &[us
         [p, q] if p < q => [a.min(b), a.max(b)],
         _ => [a.max(b), a.min(b)],
     };
-    let mut hard: Vec<(f64, Vec3)> = Vec::new();
-    let mut ends: Vec<(f64, usize, Vec3)> =
-        members.iter().flat_map(|&k| [0, 1].map(|e| (heights(k)[e], k, all[k].ends[e]))).collect();
-    // Of those that agree, the earliest leaf's.
-    ends.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    for near in ends.chunk_by(|a, b| b.0 - a.0 <= reach) {
-        hard.extend(near.iter().min_by_key(|e| e.1).map(|e| (e.0, e.2)));
-    }
+    let ends = members.iter().flat_map(|&k| [0, 1].map(|e| (heights(k)[e], k, all[k].ends[e])));
+    let hard = hard_levels(ends.collect(), reach);
     let index = |h: f64| {
         let above = hard.partition_point(|level| level.0 < h).min(hard.len() - 1);
         if above > 0 && h - hard[above - 1].0 < hard[above].0 - h { above - 1 } else { above }
@@ -221,12 +226,13 @@ fn divide_group(members: &[usize], all: &[Ruled], surfaces: &[Surface], of: &[us
         let [a, b] = heights(k).map(index);
         (a.min(b), a.max(b))
     };
+    let radius = |k: usize, level: &HardLevel| surfaces[of[k]].radius_at(&level.1);
     let mut rows = vec![1u32; hard.len()];
     for &k in members {
         let (low, high) = span(k);
         for gap in low..high {
-            let [a, b] = [hard[gap], hard[gap + 1]];
-            let [ra, rb] = [a, b].map(|level| surfaces[of[k]].radius_at(&level.1));
+            let [a, b] = [&hard[gap], &hard[gap + 1]];
+            let [ra, rb] = [a, b].map(|level| radius(k, level));
             let chord = TAU * ra.max(rb) / all[k].segments;
             rows[gap] = rows[gap].max(count(libm::hypot(b.0 - a.0, rb - ra), ROW_PER_CHORD * chord));
         }
@@ -236,15 +242,12 @@ fn divide_group(members: &[usize], all: &[Ruled], surfaces: &[Surface], of: &[us
         let [first, last] = heights(k);
         let [own_low, own_high] = [first.min(last), first.max(last)];
         let levels = (low..=high).map(|n| {
-            let share = ((hard[n].0 - own_low) / (own_high - own_low)).clamp(0.0, 1.0);
-            let share = if n == low {
-                0.0
-            } else if n == high {
-                1.0
-            } else {
-                share
+            let share = match n {
+                _ if n == low => 0.0,
+                _ if n == high => 1.0,
+                _ => ((hard[n].0 - own_low) / (own_high - own_low)).clamp(0.0, 1.0),
             };
-            Level { share, height: hard[n].0, radius: surfaces[of[k]].radius_at(&hard[n].1) }
+            Level { share, height: hard[n].0, radius: radius(k, &hard[n]) }
         });
         let levels = Levels {
             levels: levels.collect(),

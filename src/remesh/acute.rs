@@ -227,10 +227,7 @@ impl Trial<'_> {
 
     /// Splits an edge; gives the new vertex and those around.
     fn split(&mut self, edge: EdgeId) -> Option<Vec<VertexId>> {
-        if self.work.relative_length(edge) < SHORTEST_SPLIT {
-            return None;
-        }
-        if !self.is_regular(edge) {
+        if self.work.relative_length(edge) < SHORTEST_SPLIT || !self.is_regular(edge) {
             return None;
         }
         let (place, at) = self.work.site_of_split(edge)?;

@@ -21,6 +21,10 @@ use crate::primitive::solid::Freedom;
 const LEAST_GAIN: f64 = 3e-3;
 const NEEDLE_GAIN: f64 = 0.2;
 
+/// Least part of an edge that a split leaves on each side. Sites lie at a third to a half of it; beside the end of a surface that
+/// is a guess, the nearest point may be that of an end instead, and the same edge would be split again and again.
+const LEAST_PIECE: f64 = 0.1;
+
 /// The cosine of the smallest angle past which an angle is raised.
 pub(super) fn raised(cosine: f64) -> f64 {
     let end = if cosine < 1.0 { 1.0 } else { WORST };
@@ -83,7 +87,9 @@ impl Workpiece {
                     .filter(|f| !treated.contains(f))
                     .all(|&f| self.polygon_stays_simple(f, Change::Insert { ends, at: *at }))
         };
-        let at = [home, middle].into_iter().find(|at| *at != a && *at != b && allowed(at))?;
+        let least = LEAST_PIECE * (b - a).norm();
+        let halves = |at: &Vec3| (at - a).norm() > least && (at - b).norm() > least;
+        let at = [home, middle].into_iter().find(|at| halves(at) && allowed(at))?;
         Some((place, at))
     }
 

@@ -3,7 +3,7 @@
 use super::operators::Effect;
 use super::quality::{MOST_OBTUSE, cosine_of_degrees};
 use super::relocate::Aim;
-use super::sizing::Limits;
+use super::sizing::{Limits, NARROWEST};
 use super::workpiece::{Place, Workpiece};
 use crate::brep::local::Touched;
 use crate::brep::store::EdgeId;
@@ -155,7 +155,8 @@ impl Workpiece {
     }
 
     /// Lowers the sizes at curves whose chords are shorter than wanted, but cannot be collapsed: triangles beside them are to
-    /// be as long as these are wide.
+    /// be as long as these are wide, as far as that makes sense: where an almost tangent cut left chords of nearly nothing, all
+    /// around would be divided without end.
     fn fit_sizes_to_chords(&mut self) {
         for v in self.active_vertices() {
             if !matches!(self.place(v), Place::Curve(_)) {
@@ -163,7 +164,8 @@ impl Workpiece {
             }
             let chords = self.brep.topology.edges_at(v).filter(|&e| self.brep.is_feature(e)).map(|e| self.length(e));
             if let Some(longest) = chords.reduce(f64::max) {
-                self.sizes[v.index()] = self.sizes[v.index()].min(PER_CHORD * longest);
+                let size = self.sizes[v.index()];
+                self.sizes[v.index()] = size.min((PER_CHORD * longest).max(NARROWEST * size));
             }
         }
         self.grade_sizes();

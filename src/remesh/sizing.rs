@@ -25,7 +25,7 @@ const PER_GAP: f64 = 6.0;
 /// Wanted length over the width of a strip between two feature curves: equilateral triangles across it.
 pub(super) const PER_STRIP: f64 = 1.2;
 
-/// Least wanted length beside gaps and in strips, as a fraction of the one that the curvature asks for: whoever models a coating
+/// Least wanted length beside gaps, in strips and beside short chords, as a fraction of the one that the curvature asks for: whoever models a coating
 /// does not want a million triangles of it, and the true curves of an almost tangent contact may coincide. The gap of a machine
 /// asks for a seventh.
 pub(super) const NARROWEST: f64 = 0.1;

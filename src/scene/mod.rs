@@ -37,7 +37,7 @@ mod tests;
 mod tree;
 mod units;
 
-use crate::diag::{Diagnostic, Outcome, Span};
+use crate::diag::{Diagnostic, Outcome, Span, with_line_feeds};
 use leaves::{Planter, Settings};
 use model::Scene;
 use parts::Parts;
@@ -116,6 +116,7 @@ fn read_text(path: &Path, limits: &Limits) -> Result<String, Diagnostic> {
         let span = Span { line: good.matches('\n').count() as u32 + 1, column: last.chars().count() as u32 + 1 };
         fault("syntax", "the file is not UTF-8 text", "save it as UTF-8; a scene is a text in RON").at(span)
     })?;
+    let text = with_line_feeds(text);
     // Some editors begin a file with a byte order mark.
     Ok(text.strip_prefix('\u{feff}').map_or_else(|| text.clone(), str::to_owned))
 }

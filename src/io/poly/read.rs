@@ -1,6 +1,6 @@
 //! Text to [`Plc`], as untrusted input: nothing is allocated from a declared count, every number and index is checked.
 
-use crate::diag::{Diagnostic, Span};
+use crate::diag::{Diagnostic, Span, with_line_feeds};
 use crate::geom::Vec3;
 use crate::plc::{Plc, PlcFacet, Seed};
 use std::path::Path;
@@ -52,7 +52,7 @@ fn load(path: &Path) -> Result<String, Diagnostic> {
     if size.len() > MAX_BYTES {
         return Err(refused(format!("it is larger than {MAX_BYTES} bytes")));
     }
-    let text = std::fs::read_to_string(path).map_err(|e| refused(e.to_string()))?;
+    let text = with_line_feeds(std::fs::read_to_string(path).map_err(|e| refused(e.to_string()))?);
     // Some editors begin a file with a byte order mark.
     Ok(match text.strip_prefix('\u{feff}') {
         Some(rest) => rest.to_owned(),

@@ -2,13 +2,13 @@
 //! to be its cavity, or a body in the cavity of one, and so on.
 
 use super::Surface;
+use super::shells;
 use super::sides::Sides;
 use crate::diag::Diagnostic;
 use crate::geom::aabb::Aabb;
 use crate::geom::cast::{CastError, Caster};
-use crate::geom::union_find::UnionFind;
 
-/// A part of the surface that has no edge in common with the rest.
+/// A part of the surface that bounds one body ([`shells`]).
 struct Shell {
     /// Six times the volume that it encloses; negative if it is inside out.
     volume: f64,
@@ -29,11 +29,7 @@ pub(super) fn orient(
     (triangles, polygon_of): (&[[u32; 3]], &[u32]),
     file: &str,
 ) -> Result<(), Diagnostic> {
-    let mut sets = UnionFind::new(surface.polygons.count());
-    for (_, all) in sides.edges() {
-        all.windows(2).for_each(|pair| sets.join(pair[0].polygon(), pair[1].polygon()));
-    }
-    let (shell_of, count) = sets.number();
+    let (shell_of, count) = shells::shells(surface, sides, (triangles, polygon_of));
     let shell_of_triangle: Vec<u32> = polygon_of.iter().map(|&p| shell_of[p as usize]).collect();
     let mut shells: Vec<Shell> = (0..count).map(|_| Shell { volume: 0.0, triangle: u32::MAX, around: Vec::new() }).collect();
     let origin = Aabb::around(&surface.points).center();

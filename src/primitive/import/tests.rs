@@ -54,6 +54,11 @@ fn inside_out_is_turned_and_bent_polygons_are_cut() {
 fn faults_are_named() {
     let open = read("d.off", &CUBE.replace("8 6 0", "8 5 0")).unwrap_err();
     assert_eq!((open.code, open.points.len()), ("open-surface", 4));
+    assert!(open.hints[0].contains("close its holes"));
+    // Two squares with a top corner of their own, 1e-9 apart.
+    let near = CUBE.replace("8 6 0", "9 6 0").replace("0 1 1\n", "0 1 1\n0 1 1.000000001\n").replace("4 3 0 4 7", "4 3 0 4 8");
+    let fault = read("z.off", &near).unwrap_err();
+    assert!(fault.code == "open-surface" && fault.hints[0].contains("`tolerance: 1e-6`"), "{fault:?}");
     let twisted = read("e.off", &CUBE.replace("4 3 0 4 7", "4 7 4 0 3")).unwrap_err();
     assert!(twisted.message.contains("opposite orientation"));
     let doubled = read("i.off", &(CUBE.replace("8 6 0", "8 7 0") + "4 3 0 4 7\n")).unwrap_err();
@@ -221,4 +226,89 @@ fn shells_that_touch_in_a_vertex_are_turned_each_by_itself() {
     // Its edges at (0, 0, 0) have the determinant 36: it encloses 6, and its facets look outwards in the other order.
     assert_eq!(shared(&with(["3 0 8 9", "3 0 9 10", "3 0 10 8", "3 8 10 9"])), Ok(994.0));
     assert_eq!(shared(&with(["3 9 8 0", "3 10 9 0", "3 8 10 0", "3 9 10 8"])), Err("nested-shells"));
+}
+
+#[test]
+fn only_facets_on_a_line_become_a_part_of_their_neighbor() {
+    // Beside a square, first a zigzag whose halves turn against each other, then the same on the line.
+    let with = |y: f64| {
+        let points = [[0., 0.], [3., 0.], [2., y], [1., -y], [0., -3.], [3., -3.]];
+        let mut surface = Surface {
+            points: points.iter().map(|p| Vec3::new(p[0], p[1], 0.)).collect(),
+            polygons: Lists::default(),
+            group_of: vec![0; 2],
+        };
+        surface.polygons.push([0, 1, 2, 3]);
+        surface.polygons.push([1, 0, 4, 5]);
+        flat::absorb(&mut surface);
+        surface.polygons.iter().map(<[u32]>::to_vec).collect::<Vec<_>>()
+    };
+    assert_eq!(with(1.), [[0, 1, 2, 3], [1, 0, 4, 5]]);
+    assert_eq!(with(0.), [[1, 2, 3, 0, 4, 5]]);
+}
+
+/// The triangles of a box.
+fn block(min: [f64; 3], max: [f64; 3]) -> Vec<[[f64; 3]; 3]> {
+    let corner = |k: usize| [0, 1, 2].map(|i| if CORNERS[k][i] == 0 { min[i] } else { max[i] });
+    let side = |v: [usize; 4]| [[v[0], v[1], v[2]], [v[0], v[2], v[3]]].map(|t| t.map(corner));
+    SIDES.into_iter().flat_map(side).collect()
+}
+
+const CORNERS: [[u8; 3]; 8] = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]];
+const SIDES: [[usize; 4]; 6] = [[3, 2, 1, 0], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
+
+#[test]
+fn what_is_thinner_than_the_tolerance_stays_where_the_file_is_closed() {
+    // The tolerance of STL is 1e-6 of the size.
+    let counts = |parts: &[Vec<[[f64; 3]; 3]>]| {
+        read("w.stl", &stl(&parts.concat())).map(|solid| (solid.vertices.len(), solid.facets.len())).map_err(|fault| fault.code)
+    };
+    let cube = block([0.; 3], [1.; 3]);
+    assert_eq!(counts(&[block([0.; 3], [1., 1., 1e-7])]), Ok((8, 6)));
+    // A foil at a distance, one in the distance of its thickness, a gap alone, and what would vanish.
+    assert_eq!(counts(&[cube.clone(), block([0., 0., 2.], [1., 1., 2. + 1e-7])]), Ok((16, 12)));
+    assert_eq!(counts(&[cube.clone(), block([0., 0., 1. + 1e-7], [1., 1., 1. + 2e-7])]), Ok((16, 12)));
+    assert_eq!(counts(&[cube.clone(), block([0., 0., 1. + 1e-7], [1., 1., 2.])]), Ok((16, 12)));
+    assert_eq!(counts(&[cube.clone(), block([2.; 3], [2. + 1e-7; 3])]), Ok((16, 12)));
+    // A needle on the edge of a cube shares that edge only.
+    assert_eq!(counts(&[cube.clone(), block([1., 1., 0.], [1. + 1e-7, 1. + 1e-7, 1.])]), Ok((14, 12)));
+    // A cube whose top was rounded has to be welded, and the foil is lost with it: told so.
+    let mut rounded = cube.clone();
+    rounded[2..4].iter_mut().flatten().for_each(|p| p[2] += 1e-8);
+    assert_eq!(counts(&[rounded.clone()]), Ok((8, 6)));
+    let fault = read("x.stl", &stl(&[rounded, block([0., 0., 2.], [1., 1., 2. + 1e-7])].concat())).unwrap_err();
+    assert_eq!(fault.code, "self-intersection");
+    assert!(fault.hints.iter().any(|h| h.contains("smaller `tolerance`")), "{fault:?}");
+}
+
+#[test]
+fn shells_with_a_common_edge_are_turned_each_by_itself() {
+    // Two cubes of volume 8 over an edge along z, and one of them in the wedge of a third: all ways to turn them.
+    let at = |x: f64, y: f64| block([x, y, 0.], [x + 2., y + 2., 2.]);
+    let volume = |parts: &[Vec<[[f64; 3]; 3]>], turned: usize| {
+        let mut facets: Vec<[[f64; 3]; 3]> = Vec::new();
+        for (k, part) in parts.iter().enumerate() {
+            let is_turned = turned >> k & 1 == 1;
+            facets.extend(part.iter().map(|&[a, b, c]| if is_turned { [a, c, b] } else { [a, b, c] }));
+        }
+        read("y.stl", &stl(&facets)).map(|solid| volume_of(&solid)).map_err(|fault| fault.code)
+    };
+    for turned in 0..4 {
+        assert_eq!(volume(&[at(0., 0.), at(2., 2.)], turned), Ok(16.));
+        assert_eq!(volume(&[at(2., 0.), at(0., 2.)], turned), Ok(16.));
+    }
+    // In an outer prism, a triangle over its edge at the origin: its cavity, or nobody knows.
+    let prism = |corners: [[f64; 2]; 3]| {
+        let p = |k: usize, z: f64| [corners[k][0], corners[k][1], z];
+        let mut facets = vec![[p(2, 0.), p(1, 0.), p(0, 0.)], [p(0, 2.), p(1, 2.), p(2, 2.)]];
+        for (a, b) in [(0, 1), (1, 2), (2, 0)] {
+            facets.extend([[p(a, 0.), p(b, 0.), p(b, 2.)], [p(a, 0.), p(b, 2.), p(a, 2.)]]);
+        }
+        facets
+    };
+    let (low, high) = ([[0., 0.], [3., 1.], [3., 2.]], [[0., 0.], [-2., 1.], [-2., -1.]]);
+    for turned in 0..8 {
+        // Areas 1.5 and 2.
+        assert_eq!(volume(&[at(0., -2.), prism(low), prism(high)], turned), Ok(15.), "{turned}");
+    }
 }
