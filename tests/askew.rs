@@ -100,3 +100,45 @@ fn nothing_passes_through_what_is_near() {
     assert!(most > 1e-9 && most < 6e-9, "{most:e}");
     assert_eq!(gsm(["check", "askew.poly"], &path).status.code(), Some(0));
 }
+
+#[test]
+fn far_from_the_origin_corners_move_further() {
+    let path = folder("askew_far");
+    // At 1e6 rounding is 1e-10; a hundredth of the tolerance, 2e-9, would not tell from it.
+    let text = r#"Scene(units: "mm", parts: [
+        Part(name: "air", solid: Block(size: (120, 120, 120), center: (1e6, -1e6, 1e6))),
+        Part(name: "body", solid: Translate(by: (1e6, -1e6, 1e6), solid: Rotate(axis: (0.462, -0.184, -0.636), angle: 148.131,
+            solid: Cylinder(radius: 6, height: 30, base: (3, 4, -9))))),
+    ])"#;
+    vertices(&path, text, "off");
+    let done = Command::new("tetgen").args(["-pq2.0AQ", "askew.poly"]).current_dir(&path).output();
+    done.expect("TetGen is needed: apt-get install tetgen");
+    assert!(path.join("askew.1.ele").exists());
+}
+
+#[test]
+fn only_what_would_meet_stays() {
+    let path = folder("askew_meeting");
+    // Corners would move by 1e-5. A rod fits a bore with a gap of 4e-7, above the tolerance of 3e-7: 24 segments each, alike.
+    let turned = |solid: &str| {
+        format!("Translate(by: (1e6, -1e6, 1e6), solid: Rotate(axis: (0.462, -0.184, -0.636), angle: 148.131, solid: {solid}))")
+    };
+    let text = |tolerance: &str| {
+        format!(
+            "Scene(units: \"mm\", tolerance: {tolerance}, parts: [
+                Part(name: \"air\", solid: Block(size: (120, 120, 120), center: (1e6, -1e6, 1e6))),
+                Part(name: \"bush\", solid: {}), Part(name: \"rod\", solid: {}), Part(name: \"far\", solid: {}),
+            ])",
+            turned("Tube(outer_radius: 9, inner_radius: 6.0000004, height: 20)"),
+            turned("Cylinder(radius: 6, height: 30, base: (0, 0, -5))"),
+            turned("Cylinder(radius: 5, height: 20, base: (30, 0, 0))"),
+        )
+    };
+    let (moved, plain) = (vertices(&path, &text("1e-9"), "off"), vertices(&path, &text("1e-13"), "off"));
+    assert_eq!(gsm(["check", "askew.poly"], &path).status.code(), Some(0));
+    let is_moved = |k: usize| (0..3).any(|c| (moved[k][c] - plain[k][c]).abs() > 1e-6);
+    let count = (0..plain.len()).filter(|&k| is_moved(k)).count();
+    // 8 of the box, 96 of the bush, 48 of the rod, 48 of what is far.
+    assert_eq!((moved.len(), plain.len()), (200, 200));
+    assert!((36..=48).contains(&count), "{count}");
+}
