@@ -12,6 +12,9 @@
 //! planes, those along the axes exactly so; contacts stay what they are, since what touches hangs together. What does not touch
 //! is mostly further apart than that; it is proved that nothing meets, and pieces that would meet something stay as they were.
 //!
+//! Another cause of death is a polygon with a notch in an edge, which leaves two edges in line but for rounding: it is given to
+//! TetGen in its triangles.
+//!
 //! ```text
 //! rounded: a flat tetrahedron over 4 corners       stretched: the empty circle of 3 corners leaves out the 4th
 //! ```
@@ -21,7 +24,7 @@ use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
 use crate::geom::embedding::violations;
 use crate::geom::polygon::{is_planar, triangulate};
-use crate::geom::predicates::orient3d;
+use crate::geom::predicates::{Projection, orient2d, orient3d};
 use crate::geom::union_find::UnionFind;
 use crate::ids::{FacetId, Id, VertexId};
 use crate::round::PLANAR_ULPS;
@@ -36,6 +39,10 @@ const MOST: f64 = 1e-10;
 const LEAST_ULPS: f64 = 16.0;
 /// Distance of a corner from the circle of three others, in its radii, below which it is on it: what contact leaves of a circle.
 const ROUND: f64 = 1e-9;
+/// Distance of a corner from the line of an edge, in sizes, below which it is on it: rounding, and nothing else.
+const IN_LINE: f64 = 1e-12;
+/// Polygons of more triangles are not searched for corners in line: every corner is compared with every edge.
+const MANY: usize = 200;
 /// Pairs that meet which are looked for at once, and how often, before all pieces are put back: what meets is rare.
 const PAIRS: usize = 1000;
 const ROUNDS: usize = 4;
@@ -60,6 +67,7 @@ pub fn position(mut complex: Complex, tolerance: f64) -> Complex {
     if !pieces.is_moved.contains(&true) {
         return complex;
     }
+    pieces.divide_aligned(&mut complex, &points, size);
     pieces.stretch(&mut complex, way);
     let mut before = Before { points, triangles: Vec::new() };
     let mut unsound = pieces.renew_polygons(&mut complex, &mut before);
@@ -111,6 +119,22 @@ impl Pieces {
 
     fn of_facet(&self, facet: &ComplexFacet) -> usize {
         facet.loops.iter().flatten().next().map_or(0, |v| self.of[v.index()] as usize)
+    }
+
+    /// Divides polygons of such pieces in which another corner lies in line with an edge: TetGen 1.5 loses an edge among the flat
+    /// triangles that it makes of these, and merges the triangles that it is given. Where one of them is flat, all stays.
+    fn divide_aligned(&self, complex: &mut Complex, points: &[Vec3], size: f64) {
+        let mut facets = Vec::with_capacity(complex.facets.len());
+        for facet in std::mem::take(&mut complex.facets) {
+            let is_meant = (3..=MANY).contains(&facet.triangles.len()) && self.is_moved[self.of_facet(&facet)];
+            if is_meant && is_aligned(&facet, points, size) && !facet.triangles.iter().any(|t| is_flat(t, points, size)) {
+                let piece = |&t: &[VertexId; 3]| ComplexFacet { loops: vec![t.to_vec()], triangles: vec![t], ..facet.clone() };
+                facets.extend(facet.triangles.iter().map(piece));
+            } else {
+                facets.push(facet);
+            }
+        }
+        complex.facets = facets.into_iter().collect();
     }
 
     /// Stretches pieces that lie askew, about their lowest corner: equal coordinates stay equal.
@@ -206,4 +230,26 @@ fn is_on_circle([a, b, c, d]: &[Vec3; 4]) -> bool {
     let to_center = (normal.cross(&u) * v.norm_squared() + v.cross(&normal) * u.norm_squared()) / (2.0 * normal.norm_squared());
     let radius = to_center.norm();
     ((d - a - to_center).norm() - radius).abs() <= ROUND * radius
+}
+
+/// Whether a corner of a polygon lies in line with an edge that it does not end, but for rounding and not exactly.
+fn is_aligned(facet: &ComplexFacet, points: &[Vec3], size: f64) -> bool {
+    let sides = [Vec3::x(), Vec3::y(), Vec3::z()].map(|axis| Projection::along(&axis));
+    facet.loops.iter().filter(|w| w.len() > 4).any(|walk| {
+        (0..walk.len()).any(|k| {
+            let ends = [walk[k], walk[(k + 1) % walk.len()]];
+            let [a, b] = ends.map(|v| points[v.index()]);
+            let is_exact = |p: &Vec3| sides.iter().all(|s| orient2d(s.apply(&a), s.apply(&b), s.apply(p)) == 0);
+            let along = (b - a).normalize();
+            let others = walk.iter().filter(|v| !ends.contains(v)).map(|v| points[v.index()]);
+            others.into_iter().any(|p| along.cross(&(p - a)).norm() <= IN_LINE * size && !is_exact(&p))
+        })
+    })
+}
+
+/// Whether a corner of a triangle lies in line with the edge opposite.
+fn is_flat(triangle: &[VertexId; 3], points: &[Vec3], size: f64) -> bool {
+    let [a, b, c] = triangle.map(|v| points[v.index()]);
+    let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
+    (b - a).cross(&(c - a)).norm() <= IN_LINE * size * longest
 }

@@ -130,15 +130,37 @@ fn only_what_would_meet_stays() {
                 Part(name: \"bush\", solid: {}), Part(name: \"rod\", solid: {}), Part(name: \"far\", solid: {}),
             ])",
             turned("Tube(outer_radius: 9, inner_radius: 6.0000004, height: 20)"),
-            turned("Cylinder(radius: 6, height: 30, base: (0, 0, -5))"),
+            turned("Cylinder(radius: 6, height: 90, base: (0, 0, -35))"),
             turned("Cylinder(radius: 5, height: 20, base: (30, 0, 0))"),
         )
     };
     let (moved, plain) = (vertices(&path, &text("1e-9"), "off"), vertices(&path, &text("1e-13"), "off"));
     assert_eq!(gsm(["check", "askew.poly"], &path).status.code(), Some(0));
-    let is_moved = |k: usize| (0..3).any(|c| (moved[k][c] - plain[k][c]).abs() > 1e-6);
-    let count = (0..plain.len()).filter(|&k| is_moved(k)).count();
-    // 8 of the box, 96 of the bush, 48 of the rod, 48 of what is far.
     assert_eq!((moved.len(), plain.len()), (200, 200));
-    assert!((36..=48).contains(&count), "{count}");
+    // 8 of the box, 96 of the bush, 48 of the rod, 48 of what is far: this one moves, the bush does not.
+    let is_moved = |k: &usize| (0..3).any(|c| moved[*k][c] != plain[*k][c]);
+    let count = (0..plain.len()).filter(is_moved).count();
+    assert!((48..=96).contains(&count), "{count}");
+}
+
+#[test]
+fn notched_strips_are_meshed() {
+    let path = folder("askew_notched");
+    // The rod pierces the ring's strips: what is left of their edges beside its holes is in line but for rounding. TetGen died in
+    // all orders of the vertices.
+    let turned = |solid: &str| format!("Rotate(axis: (0.639, -0.247, -0.361), angle: 34.321, solid: {solid})");
+    let scene = format!(
+        "Scene(units: \"mm\", parts: [
+            Part(name: \"air\", solid: Block(min: (-60, -60, -60), max: (60, 60, 60))), Part(name: \"shaft\", solid: {}),
+            Part(name: \"ring\", solid: {}), Part(name: \"cap\", solid: {}), Part(name: \"rod\", solid: {}),
+        ])",
+        turned("Cylinder(radius: 3.803, height: 35.668, base: (0, 0, -10))"),
+        turned("Tube(outer_radius: 10.033, inner_radius: 3.803, height: 15.668)"),
+        turned("Frustum(bottom_radius: 10.033, top_radius: 4.803, height: 7.405, base: (0, 0, 15.668))"),
+        turned("Cylinder(radius: 1.977, height: 57.506, base: (-20, 0, 7.834), axis: X)"),
+    );
+    vertices(&path, &scene, "off");
+    let done = Command::new("tetgen").args(["-pq2.0AQ", "askew.poly"]).current_dir(&path).output();
+    done.expect("TetGen is needed: apt-get install tetgen");
+    assert!(path.join("askew.1.ele").exists());
 }
