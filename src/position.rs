@@ -7,10 +7,13 @@
 //! every second one (abort, crash or endless loop).
 //!
 //! So what hangs together and has such a polygon is stretched along the axes, by factors that differ from 1 and from each other,
-//! until its corners have moved by a hundredth of the tolerance. Circles become ellipses, and no corner is on the circle of three
-//! others by a distance that is 10000 times what rounding moves it out of the plane. Planes stay planes, those along the axes
-//! exactly so; contacts stay what they are, since what touches hangs together, and nothing passes through anything, since what
-//! does not touch is further apart than the tolerance.
+//! until its corners have moved by a hundredth of the tolerance, or more far from the origin. Circles become ellipses, and no
+//! corner is on the circle of three others by a distance that is 10000 times what rounding moves it out of the plane. Planes stay
+//! planes, those along the axes exactly so; contacts stay what they are, since what touches hangs together. What does not touch
+//! is mostly further apart than that; it is proved that nothing meets, and pieces that would meet something stay as they were.
+//!
+//! Another cause of death is a polygon with a notch in an edge, which leaves two edges in line but for rounding: it is given to
+//! TetGen in its triangles.
 //!
 //! ```text
 //! rounded: a flat tetrahedron over 4 corners       stretched: the empty circle of 3 corners leaves out the 4th
@@ -21,12 +24,14 @@ use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
 use crate::geom::embedding::violations;
 use crate::geom::polygon::{is_planar, triangulate};
-use crate::geom::predicates::orient3d;
+use crate::geom::predicates::{Projection, orient2d, orient3d};
 use crate::geom::union_find::UnionFind;
-use crate::ids::{Id, VertexId};
+use crate::ids::{FacetId, Id, VertexId};
 use crate::round::PLANAR_ULPS;
+use std::collections::BTreeSet;
 
-/// How far corners move at most, as a share of the tolerance: what touches within the tolerance is known no better anyway.
+/// How far corners move at most, as a share of the tolerance: what touches within the tolerance is known no better anyway. Far
+/// from the origin the share is as much larger as the largest coordinate is larger than the size.
 const SHARE: f64 = 0.01;
 /// And as a share of the largest coordinate: whoever lets parts touch from afar wants nothing else moved.
 const MOST: f64 = 1e-10;
@@ -34,6 +39,13 @@ const MOST: f64 = 1e-10;
 const LEAST_ULPS: f64 = 16.0;
 /// Distance of a corner from the circle of three others, in its radii, below which it is on it: what contact leaves of a circle.
 const ROUND: f64 = 1e-9;
+/// Distance of a corner from the line of an edge, in sizes, below which it is on it: rounding, and nothing else.
+const IN_LINE: f64 = 1e-12;
+/// Polygons of more triangles are not searched for corners in line: every corner is compared with every edge.
+const MANY: usize = 200;
+/// Pairs that meet which are looked for at once, and how often, before all pieces are put back: what meets is rare.
+const PAIRS: usize = 1000;
+const ROUNDS: usize = 4;
 /// Stretch along x, y and z. Together they keep volumes. Planes exist in which such a stretch leaves circles round: they hold the
 /// x axis, and are inclined to the others by angles that people hardly give (61.7 degrees).
 const ALONG: Vec3 = Vec3::new(0.31, -1.0, 0.69);
@@ -41,33 +53,51 @@ const ALONG: Vec3 = Vec3::new(0.31, -1.0, 0.69);
 /// A complex in which what lies askew is in general position, with the same names, numbers and loops.
 ///
 /// `tolerance` is the one that decided what touches, in the scene's unit. Pieces whose polygons would not be planar to rounding,
-/// or not simple, stay as they are; so does everything if anything would meet. Cost: n log n, and next to nothing if nothing is
-/// askew.
-pub fn position(complex: Complex, tolerance: f64) -> Complex {
-    let reach = complex.vertices.iter().fold(0.0, |m: f64, v| m.max(v.point.amax()));
-    let way = (SHARE * tolerance).min(MOST * reach);
+/// or not simple, stay as they are; so do those that would meet something. Cost: n log n, and next to nothing if nothing is askew.
+pub fn position(mut complex: Complex, tolerance: f64) -> Complex {
+    let points: Vec<Vec3> = complex.vertices.iter().map(|v| v.point).collect();
+    let reach = points.iter().fold(0.0, |m: f64, p| m.max(p.amax()));
+    let size = Aabb::around(&points).diagonal();
+    // Far from the origin rounding grows with the coordinates, and with it what tells corners from those of a circle.
+    let way = (SHARE * tolerance * (reach / size).max(1.0)).min(MOST * reach);
     if way < LEAST_ULPS * f64::EPSILON * reach {
         return complex;
     }
-    let pieces = Pieces::of(&complex);
-    if !pieces.is_askew.contains(&true) {
+    let mut pieces = Pieces::of(&complex);
+    if !pieces.is_moved.contains(&true) {
         return complex;
     }
-    let mut moved = complex.clone();
-    pieces.stretch(&mut moved, way);
-    let unsound = pieces.renew_polygons(&mut moved);
-    pieces.put_back(&mut moved, &complex, &unsound);
-    let points: Vec<Vec3> = moved.vertices.iter().map(|v| v.point).collect();
-    let triangles: Vec<[u32; 3]> = moved.facets.iter().flat_map(|f| &f.triangles).map(|t| t.map(|v| v.0)).collect();
-    if violations(&points, &triangles, 1).is_empty() { moved } else { complex }
+    pieces.divide_aligned(&mut complex, &points, size);
+    pieces.stretch(&mut complex, way);
+    let mut before = Before { points, triangles: Vec::new() };
+    let mut unsound = pieces.renew_polygons(&mut complex, &mut before);
+    for round in 1.. {
+        pieces.put_back(&mut complex, &before, &unsound);
+        unsound = pieces.meeting(&complex);
+        if unsound.is_empty() {
+            break;
+        }
+        if round == ROUNDS {
+            unsound = (0..pieces.is_moved.len()).collect();
+        }
+    }
+    complex
+}
+
+/// What was there before the stretch.
+struct Before {
+    /// By vertex.
+    points: Vec<Vec3>,
+    /// Triangulations of the facets that got new ones.
+    triangles: Vec<(FacetId, Vec<[VertexId; 3]>)>,
 }
 
 /// What hangs together over vertices.
 struct Pieces {
     /// By vertex.
     of: Vec<u32>,
-    /// By piece: whether a polygon of it lies askew.
-    is_askew: Vec<bool>,
+    /// By piece: whether it is stretched, since a polygon of it lies askew.
+    is_moved: Vec<bool>,
 }
 
 impl Pieces {
@@ -79,10 +109,10 @@ impl Pieces {
             corners.for_each(|v| sets.join(first.0, v.0));
         }
         let (of, count) = sets.number();
-        let mut pieces = Self { of, is_askew: vec![false; count] };
+        let mut pieces = Self { of, is_moved: vec![false; count] };
         for facet in complex.facets.iter() {
             let piece = pieces.of_facet(facet);
-            pieces.is_askew[piece] = pieces.is_askew[piece] || is_askew(facet, complex);
+            pieces.is_moved[piece] = pieces.is_moved[piece] || is_askew(facet, complex);
         }
         pieces
     }
@@ -91,54 +121,88 @@ impl Pieces {
         facet.loops.iter().flatten().next().map_or(0, |v| self.of[v.index()] as usize)
     }
 
+    /// Divides polygons of such pieces in which another corner lies in line with an edge: TetGen 1.5 loses an edge among the flat
+    /// triangles that it makes of these, and merges the triangles that it is given. Where one of them is flat, all stays.
+    fn divide_aligned(&self, complex: &mut Complex, points: &[Vec3], size: f64) {
+        let mut facets = Vec::with_capacity(complex.facets.len());
+        for facet in std::mem::take(&mut complex.facets) {
+            let is_meant = (3..=MANY).contains(&facet.triangles.len()) && self.is_moved[self.of_facet(&facet)];
+            if is_meant && is_aligned(&facet, points, size) && !facet.triangles.iter().any(|t| is_flat(t, points, size)) {
+                let piece = |&t: &[VertexId; 3]| ComplexFacet { loops: vec![t.to_vec()], triangles: vec![t], ..facet.clone() };
+                facets.extend(facet.triangles.iter().map(piece));
+            } else {
+                facets.push(facet);
+            }
+        }
+        complex.facets = facets.into_iter().collect();
+    }
+
     /// Stretches pieces that lie askew, about their lowest corner: equal coordinates stay equal.
     fn stretch(&self, complex: &mut Complex, way: f64) {
-        let mut boxes = vec![Aabb::EMPTY; self.is_askew.len()];
+        let mut boxes = vec![Aabb::EMPTY; self.is_moved.len()];
         for (vertex, &piece) in complex.vertices.iter().zip(&self.of) {
             boxes[piece as usize] = boxes[piece as usize].with(&vertex.point);
         }
         for (vertex, &piece) in complex.vertices.iter_mut().zip(&self.of) {
-            if self.is_askew[piece as usize] {
+            if self.is_moved[piece as usize] {
                 let bounds = boxes[piece as usize];
                 vertex.point += (vertex.point - bounds.lo).component_mul(&ALONG) * (way / bounds.diagonal());
             }
         }
     }
 
-    /// Triangulates the polygons of stretched pieces again; pieces with polygons of which none can be made.
-    fn renew_polygons(&self, complex: &mut Complex) -> Vec<usize> {
+    /// Triangulates the polygons of stretched pieces again; pieces with polygons of which none can be made, ascending.
+    fn renew_polygons(&self, complex: &mut Complex, before: &mut Before) -> Vec<usize> {
         let points: Vec<Vec3> = complex.vertices.iter().map(|v| v.point).collect();
         let flatness =
             PLANAR_ULPS * f64::EPSILON * points.iter().fold(Aabb::around(&points).diagonal(), |m, p| m.max(p.amax()));
-        let mut unsound = Vec::new();
-        for facet in complex.facets.iter_mut().filter(|f| f.triangles.len() > 1) {
+        let mut unsound = BTreeSet::new();
+        for (k, facet) in complex.facets.iter_mut().enumerate().filter(|(_, f)| f.triangles.len() > 1) {
             let piece = self.of_facet(facet);
-            if !self.is_askew[piece] {
+            if !self.is_moved[piece] {
                 continue;
             }
             let loops: Vec<Vec<u32>> = facet.loops.iter().map(|walk| walk.iter().map(|v| v.0).collect()).collect();
             let walks: Vec<&[u32]> = loops.iter().map(Vec::as_slice).collect();
             match triangulate(&walks, &[], &[], &points) {
                 Ok(triangles) if is_planar(&walks, &points, flatness) => {
-                    facet.triangles = triangles.into_iter().map(|t| t.map(VertexId)).collect();
+                    let triangles = triangles.into_iter().map(|t| t.map(VertexId)).collect();
+                    before.triangles.push((FacetId::new(k), std::mem::replace(&mut facet.triangles, triangles)));
                 }
-                _ => unsound.push(piece),
+                _ => {
+                    unsound.insert(piece);
+                }
             }
         }
-        unsound.sort_unstable();
-        unsound.dedup();
-        unsound
+        unsound.into_iter().collect()
     }
 
     /// Makes some pieces what they were.
-    fn put_back(&self, complex: &mut Complex, from: &Complex, pieces: &[usize]) {
+    fn put_back(&mut self, complex: &mut Complex, before: &Before, pieces: &[usize]) {
+        if pieces.is_empty() {
+            return;
+        }
         let is_meant = |piece: usize| pieces.binary_search(&piece).is_ok();
-        for (id, vertex) in from.vertices.enumerate().filter(|(id, _)| is_meant(self.of[id.index()] as usize)) {
-            complex.vertices[id] = *vertex;
+        for (vertex, (point, &piece)) in complex.vertices.iter_mut().zip(before.points.iter().zip(&self.of)) {
+            if is_meant(piece as usize) {
+                vertex.point = *point;
+            }
         }
-        for (id, facet) in from.facets.enumerate().filter(|(_, f)| is_meant(self.of_facet(f))) {
-            complex.facets[id].triangles.clone_from(&facet.triangles);
+        for (id, triangles) in &before.triangles {
+            if is_meant(self.of_facet(&complex.facets[*id])) {
+                complex.facets[*id].triangles.clone_from(triangles);
+            }
         }
+        pieces.iter().for_each(|&piece| self.is_moved[piece] = false);
+    }
+
+    /// Stretched pieces that meet something, ascending.
+    fn meeting(&self, complex: &Complex) -> Vec<usize> {
+        let points: Vec<Vec3> = complex.vertices.iter().map(|v| v.point).collect();
+        let triangles: Vec<[u32; 3]> = complex.facets.iter().flat_map(|f| &f.triangles).map(|t| t.map(|v| v.0)).collect();
+        let met = violations(&points, &triangles, PAIRS).into_iter().flat_map(|v| v.triangles);
+        let pieces = met.map(|t| self.of[triangles[t as usize][0] as usize] as usize);
+        pieces.filter(|&piece| self.is_moved[piece]).collect::<BTreeSet<_>>().into_iter().collect()
     }
 }
 
@@ -166,4 +230,26 @@ fn is_on_circle([a, b, c, d]: &[Vec3; 4]) -> bool {
     let to_center = (normal.cross(&u) * v.norm_squared() + v.cross(&normal) * u.norm_squared()) / (2.0 * normal.norm_squared());
     let radius = to_center.norm();
     ((d - a - to_center).norm() - radius).abs() <= ROUND * radius
+}
+
+/// Whether a corner of a polygon lies in line with an edge that it does not end, but for rounding and not exactly.
+fn is_aligned(facet: &ComplexFacet, points: &[Vec3], size: f64) -> bool {
+    let sides = [Vec3::x(), Vec3::y(), Vec3::z()].map(|axis| Projection::along(&axis));
+    facet.loops.iter().filter(|w| w.len() > 4).any(|walk| {
+        (0..walk.len()).any(|k| {
+            let ends = [walk[k], walk[(k + 1) % walk.len()]];
+            let [a, b] = ends.map(|v| points[v.index()]);
+            let is_exact = |p: &Vec3| sides.iter().all(|s| orient2d(s.apply(&a), s.apply(&b), s.apply(p)) == 0);
+            let along = (b - a).normalize();
+            let others = walk.iter().filter(|v| !ends.contains(v)).map(|v| points[v.index()]);
+            others.into_iter().any(|p| along.cross(&(p - a)).norm() <= IN_LINE * size && !is_exact(&p))
+        })
+    })
+}
+
+/// Whether a corner of a triangle lies in line with the edge opposite.
+fn is_flat(triangle: &[VertexId; 3], points: &[Vec3], size: f64) -> bool {
+    let [a, b, c] = triangle.map(|v| points[v.index()]);
+    let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
+    (b - a).cross(&(c - a)).norm() <= IN_LINE * size * longest
 }
