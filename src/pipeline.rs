@@ -73,7 +73,8 @@ fn build(scene: Scene, mut warnings: Vec<Diagnostic>, mut timings: Timings) -> O
         warnings.push(warning);
     }
     let complex = timings.measure("remesh", || remesh::remesh(evaluation.complex, &scene.remesh, &scene.parts))?;
-    let complex = timings.measure("position", || position(complex, tolerance));
+    let is_remeshed = scene.remesh.mode != RemeshMode::Off;
+    let complex = timings.measure("position", || position(complex, tolerance, is_remeshed));
     let plc = timings.measure("plc", || plc::build::build(&complex, &scene.parts))?;
     let measures = timings.measure("measure", || measure::measure(&complex));
     let manifest = Manifest::new(&scene, &complex, &measures, &plc);

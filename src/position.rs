@@ -13,7 +13,8 @@
 //! is mostly further apart than that; it is proved that nothing meets, and pieces that would meet something stay as they were.
 //!
 //! Another cause of death is a polygon with a notch in an edge, which leaves two edges in line but for rounding: it is given to
-//! TetGen in its triangles.
+//! TetGen in its triangles, unless the complex was remeshed: there most such corners are the remesher's, off the line by a trace,
+//! and triangles of these polygons are needles that gain nothing.
 //!
 //! ```text
 //! rounded: a flat tetrahedron over 4 corners       stretched: the empty circle of 3 corners leaves out the 4th
@@ -52,9 +53,10 @@ const ALONG: Vec3 = Vec3::new(0.31, -1.0, 0.69);
 
 /// A complex in which what lies askew is in general position, with the same names, numbers and loops.
 ///
-/// `tolerance` is the one that decided what touches, in the scene's unit. Pieces whose polygons would not be planar to rounding,
+/// `tolerance` is the one that decided what touches, in the scene's unit. `is_remeshed` tells whether curved facets are the remesher's.
+/// Pieces whose polygons would not be planar to rounding,
 /// or not simple, stay as they are; so do those that would meet something. Cost: n log n, and next to nothing if nothing is askew.
-pub fn position(mut complex: Complex, tolerance: f64) -> Complex {
+pub fn position(mut complex: Complex, tolerance: f64, is_remeshed: bool) -> Complex {
     let points: Vec<Vec3> = complex.vertices.iter().map(|v| v.point).collect();
     let reach = points.iter().fold(0.0, |m: f64, p| m.max(p.amax()));
     let size = Aabb::around(&points).diagonal();
@@ -67,7 +69,9 @@ pub fn position(mut complex: Complex, tolerance: f64) -> Complex {
     if !pieces.is_moved.contains(&true) {
         return complex;
     }
-    pieces.divide_aligned(&mut complex, &points, size);
+    if !is_remeshed {
+        pieces.divide_aligned(&mut complex, &points, size);
+    }
     pieces.stretch(&mut complex, way);
     let mut before = Before { points, triangles: Vec::new() };
     let mut unsound = pieces.renew_polygons(&mut complex, &mut before);

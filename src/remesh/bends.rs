@@ -199,31 +199,43 @@ impl Workpiece {
         before.excess.max(1.0) * self.bounds.slack()
     }
 
-    /// Whether a point of a facet deviates by at most `allowed` times the bound.
-    fn is_allowed_at(&self, support: &Support, facet: FacetId, point: &Vec3, allowed: f64) -> bool {
+    /// How far a point of a facet deviates, in bounds.
+    fn excess_at(&self, support: &Support, facet: FacetId, point: &Vec3) -> f64 {
         let foot = support.nearest(point);
-        (foot.point - point).norm() <= allowed * self.bound_on(facet).along(foot.curvature) * self.share(facet)
+        (foot.point - point).norm() / (self.bound_on(facet).along(foot.curvature) * self.share(facet))
     }
 
     /// What the triangles around a vertex become if it moves there; `None` if that is not allowed, or if an angle gets smaller
     /// than it was and than `keeps` degrees.
-    fn bent(&self, vertex: VertexId, ring: &Ring, to: &Vec3, keeps: f64) -> Option<Measure> {
+    fn bent(&self, vertex: VertexId, ring: &Ring, to: &Vec3, (keeps, limits): (f64, &Limits)) -> Option<Measure> {
         let before = ring.before;
         let floor = before.cosine.max(cosine_of_degrees(keeps));
         let allowed = self.allowed(before);
         let Effect { after, .. } = ring.plan(to, floor, allowed)?;
-        let is_near = ring.facets().all(|f| self.is_sampled_within(f, vertex, to, allowed));
+        let is_near = ring.facets().all(|f| self.is_sampled_within(f, (vertex, to), [before.excess, allowed], limits));
         (is_near && !after.is_flipped).then_some(after)
     }
 
-    /// Whether a triangle with one corner elsewhere deviates by at most `allowed` times the bound at a grid of points.
-    fn is_sampled_within(&self, facet: FacetId, vertex: VertexId, to: &Vec3, allowed: f64) -> bool {
+    /// Whether a triangle with one corner elsewhere deviates by at most `allowed` times the bound at a grid of points, and keeps
+    /// clear of what is across a gap where it deviates by more than `before` times.
+    fn is_sampled_within(
+        &self,
+        facet: FacetId,
+        (vertex, to): (VertexId, &Vec3),
+        [before, allowed]: [f64; 2],
+        limits: &Limits,
+    ) -> bool {
         let (Some(corners), Some(support)) = (self.corners(facet), self.support(facet)) else { return true };
         let [a, b, c] = corners.map(|v| if v == vertex { *to } else { self.point(v) });
         let grid =
             (0..=SAMPLES).flat_map(|i| (0..=SAMPLES - i).map(move |j| [i, j].map(|k| f64::from(k) / f64::from(SAMPLES))));
         let mut points = grid.map(|[s, t]| a * s + b * t + c * (1.0 - s - t));
-        points.all(|p| self.is_allowed_at(support, facet, &p, allowed))
+        points.all(|p| {
+            let excess = self.excess_at(support, facet, &p);
+            let surface = self.brep.facets[facet].surface;
+            let is_clear = || limits.is_clear(&p, support.distance(&p) / GAP_SHARE, surface, &self.supports);
+            excess <= allowed && (excess <= before || is_clear())
+        })
     }
 
     fn foot_in_plane(&self, vertex: VertexId, origin: &Vec3, normal: &Vec3) -> Option<Vec3> {
@@ -390,7 +402,7 @@ impl Bends<'_> {
                 if best.as_ref().is_some_and(|((most, _), _)| Reverse(mended) > *most) {
                     continue;
                 }
-                let Some(after) = self.work.bent(vertex, &ring, &shift.to, keeps) else { continue };
+                let Some(after) = self.work.bent(vertex, &ring, &shift.to, (keeps, self.limits)) else { continue };
                 let rank = (Reverse(mended), after.cosine);
                 if best.as_ref().is_none_or(|b| rank < b.0) {
                     best = Some((rank, shift));
@@ -408,14 +420,16 @@ impl Bends<'_> {
         let star = self.work.star(vertex);
         let Some(&facet) = star.first() else { return };
         let allowed = self.work.allowed(self.work.worst(&star));
-        places.retain(|to| self.work.is_allowed_at(support, facet, to, allowed));
+        places.retain(|to| self.work.excess_at(support, facet, to) <= allowed);
     }
 
     /// Drops the places where a vertex does not keep clear of what is across a gap.
     fn keep_clear(&self, vertex: VertexId, shifts: &mut Vec<(usize, Shift)>) {
         let Place::Surface(surface) = self.work.place(vertex) else { return };
         let Some(support) = self.work.supports[surface].as_deref() else { return };
-        shifts.retain(|(_, Shift { to, .. })| self.limits.is_clear(to, support.distance(to) / GAP_SHARE, surface));
+        shifts.retain(|(_, Shift { to, .. })| {
+            self.limits.is_clear(to, support.distance(to) / GAP_SHARE, surface, &self.work.supports)
+        });
     }
 
     /// Places of a vertex in the planes of those facets at an edge that it is not a corner of: the feet, or, on a curve, where

@@ -1,5 +1,6 @@
 //! How long edges should be and how far from the true surface facets may be.
 
+use super::Supports;
 use super::workpiece::{Place, Workpiece};
 use crate::brep::complex::Marker;
 use crate::geom::Vec3;
@@ -25,9 +26,9 @@ const PER_GAP: f64 = 6.0;
 /// Wanted length over the width of a strip between two feature curves: equilateral triangles across it.
 pub(super) const PER_STRIP: f64 = 1.2;
 
-/// Least wanted length beside gaps, in strips and beside short chords, as a fraction of the one that the curvature asks for: whoever models a coating
-/// does not want a million triangles of it, and the true curves of an almost tangent contact may coincide. The gap of a machine
-/// asks for a seventh.
+/// Least wanted length beside gaps, in strips and beside short chords, as a fraction of the one that the curvature asks for:
+/// whoever models a coating does not want a million triangles of it, and the true curves of an almost tangent contact may
+/// coincide. The gap of a machine asks for a seventh.
 pub(super) const NARROWEST: f64 = 0.1;
 
 /// Smallest wanted length as a fraction of the model's size: keeps apexes finite.
@@ -163,6 +164,8 @@ pub(super) struct Limits {
     /// By surface: surfaces that share a curve with it, sorted.
     touching: Vec<Vec<SurfaceId>>,
     least: f64,
+    /// Largest distance of those from their true surfaces.
+    sag: f64,
     /// A length that no apex asks for.
     large: f64,
     /// By marker: the length that its largest edge asks for.
@@ -191,12 +194,17 @@ impl Limits {
             list.sort_unstable();
             list.dedup();
         }
+        let middle = |[a, b, c]: &[Vec3; 3]| (a + b + c) / 3.0;
+        let exact = |s: SurfaceId| work.supports[s].as_deref().filter(|s| !s.is_fitted());
+        let sag = |(t, surface): &([Vec3; 3], SurfaceId)| exact(*surface).map_or(0.0, |s| s.distance(&middle(t)));
+        let sag = triangles.iter().map(sag).fold(0.0, f64::max);
         let boxes = triangles.iter().map(|t: &([Vec3; 3], SurfaceId)| Aabb::around(t.0.iter())).collect();
         Self {
             tree: Bvh::new(boxes),
             triangles,
             touching,
             least: LEAST_SIZE * size,
+            sag,
             is_cramped: Cell::new(false),
             large: LARGE_SIZE * size,
             wanted: brep.markers.iter().map(|m| wanted_on(m, parts)).collect(),
@@ -226,9 +234,22 @@ impl Limits {
         gap
     }
 
-    /// Whether nothing but what shares a curve with a surface is within reach of a point.
-    pub fn is_clear(&self, point: &Vec3, reach: f64, surface: SurfaceId) -> bool {
-        self.gap(point, reach, &[surface]) >= reach
+    /// Whether no other true surface, but those that share a curve with a point's own, is within reach of it. Facets will not do:
+    /// they sag by more than a thin gap.
+    pub fn is_clear(&self, point: &Vec3, reach: f64, surface: SurfaceId, supports: &Supports) -> bool {
+        let far = reach + self.sag;
+        let near = Aabb { lo: point - Vec3::repeat(far), hi: point + Vec3::repeat(far) };
+        let touching = &self.touching[surface.index()];
+        let mut is_clear = true;
+        self.tree.overlapping(&near, |t| {
+            let (corners, other) = &self.triangles[t as usize];
+            if is_clear && touching.binary_search(other).is_err() {
+                let from_facet = (closest_on_triangle(corners, point) - point).norm();
+                let support = supports[*other].as_deref().filter(|s| !s.is_fitted() && from_facet < far);
+                is_clear = support.map_or(from_facet, |s| s.distance(point).min(from_facet)) >= reach;
+            }
+        });
+        is_clear
     }
 }
 
