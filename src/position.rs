@@ -53,9 +53,9 @@ const ALONG: Vec3 = Vec3::new(0.31, -1.0, 0.69);
 
 /// A complex in which what lies askew is in general position, with the same names, numbers and loops.
 ///
-/// `tolerance` is the one that decided what touches, in the scene's unit. `is_remeshed` tells whether curved facets are the remesher's.
-/// Pieces whose polygons would not be planar to rounding,
-/// or not simple, stay as they are; so do those that would meet something. Cost: n log n, and next to nothing if nothing is askew.
+/// `tolerance` is the one that decided what touches, in the scene's unit; `is_remeshed` tells whether the remesher saw the
+/// complex. Pieces whose polygons would not be planar to rounding, or not simple, stay as they are; so do those that would meet
+/// something. Cost: n log n, and next to nothing if nothing is askew.
 pub fn position(mut complex: Complex, tolerance: f64, is_remeshed: bool) -> Complex {
     let points: Vec<Vec3> = complex.vertices.iter().map(|v| v.point).collect();
     let reach = points.iter().fold(0.0, |m: f64, p| m.max(p.amax()));
