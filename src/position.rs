@@ -132,8 +132,7 @@ impl Pieces {
         for facet in std::mem::take(&mut complex.facets) {
             let is_meant = (3..=MANY).contains(&facet.triangles.len()) && self.is_moved[self.of_facet(&facet)];
             if is_meant && is_aligned(&facet, points, size) && !facet.triangles.iter().any(|t| is_flat(t, points, size)) {
-                let piece = |&t: &[VertexId; 3]| ComplexFacet { loops: vec![t.to_vec()], triangles: vec![t], ..facet.clone() };
-                facets.extend(facet.triangles.iter().map(piece));
+                facets.extend(facet.divided());
             } else {
                 facets.push(facet);
             }

@@ -68,6 +68,17 @@ fn no_needle_is_made_to_straighten_a_bend() {
     assert!(least > 38.0 && below == 0.0, "{least} {below}");
 }
 
+/// Chords of 24 segments sag by 0.77, five times the shield's thickness. Triangles that were brought into one plane met the other
+/// side, and all was given up: 50 facets stayed as evaluated.
+#[test]
+fn a_shield_thinner_than_its_chords_sag_is_remeshed() {
+    let scene = r#"Scene(units: "mm", parts: [
+        Part(name: "shield", solid: Tube(outer_radius: 90.15, inner_radius: 90, height: 50)),
+    ])"#;
+    let (least, below, count) = shape("shield", "full", scene);
+    assert!(least > 35.0 && below == 0.0 && count > 5000, "{least} {below} {count}");
+}
+
 /// Askew strips that stay beside remeshed ones, and askew planes beside a remeshed hole, have vertices of their neighbours on
 /// straight edges. They stay polygons; once they were cut into fans of needles.
 #[test]

@@ -55,6 +55,13 @@ pub struct ComplexFacet {
     pub is_modified: bool,
 }
 
+impl ComplexFacet {
+    /// A facet for each of its triangles.
+    pub fn divided(&self) -> impl Iterator<Item = Self> + '_ {
+        self.triangles.iter().map(|&t| Self { loops: vec![t.to_vec()], triangles: vec![t], ..self.clone() })
+    }
+}
+
 /// A connected volume.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Region {

@@ -16,8 +16,9 @@ pub struct NewFile<'a> {
 /// Links that a name may lead through, as Linux follows.
 const MAX_LINKS: usize = 40;
 
-/// Writes all files, or none; where a name is a symbolic link, the file that it leads to. Each goes to a temporary name in its folder, is flushed and synced, and only when all are
-/// complete they are renamed. Where a rename fails, those before it are undone.
+/// Writes all files, or none; where a name is a symbolic link, the file that it leads to. Each goes to a temporary name in its
+/// folder, is flushed and synced, and only when all are complete they are renamed. Where a rename fails, those before it are
+/// undone.
 ///
 /// # Errors
 /// One diagnostic with the path and the reason of the system.

@@ -1,9 +1,10 @@
 //! Imported surfaces: what a file gives becomes a closed, oriented [`Solid`], or an error that says where it is not.
 //!
 //! Steps: points of equal coordinates become one, those within its tolerance too (of STL by default), unless the surface is
-//! closed without that and a shell would collapse or touch itself ([`weld`]); polygons that collapse vanish, those without area become a part of a neighbour ([`flat`]); polygons that are
-//! not planar or not simple become triangles; every directed edge must be matched; shells that are inside out are turned
-//! ([`nesting`]); pieces of one plane become one polygon ([`flats`]). Edges with several matched uses (two cubes that touch) are
+//! closed without that and a shell would collapse or touch itself ([`weld`]); polygons that collapse vanish, those without area
+//! become a part of a neighbour ([`flat`]); polygons that are not planar or not simple become triangles; every directed edge must
+//! be matched; shells that are inside out are turned ([`nesting`]); pieces of one plane become one polygon ([`flats`]). Edges with
+//! several matched uses (two cubes that touch) are
 //! allowed.
 
 mod flat;

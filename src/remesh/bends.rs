@@ -18,7 +18,7 @@ use super::workpiece::{Measure, Place, Workpiece};
 use crate::brep::store::{EdgeId, FinId};
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
-use crate::ids::{FacetId, Id, VertexId};
+use crate::ids::{FacetId, Id, SurfaceId, VertexId};
 use crate::patch::support::Support;
 use crate::round::PLANAR_ULPS;
 use std::cmp::Reverse;
@@ -205,39 +205,6 @@ impl Workpiece {
         (foot.point - point).norm() / (self.bound_on(facet).along(foot.curvature) * self.share(facet))
     }
 
-    /// What the triangles around a vertex become if it moves there; `None` if that is not allowed, or if an angle gets smaller
-    /// than it was and than `keeps` degrees.
-    fn bent(&self, vertex: VertexId, ring: &Ring, to: &Vec3, (keeps, limits): (f64, &Limits)) -> Option<Measure> {
-        let before = ring.before;
-        let floor = before.cosine.max(cosine_of_degrees(keeps));
-        let allowed = self.allowed(before);
-        let Effect { after, .. } = ring.plan(to, floor, allowed)?;
-        let is_near = ring.facets().all(|f| self.is_sampled_within(f, (vertex, to), [before.excess, allowed], limits));
-        (is_near && !after.is_flipped).then_some(after)
-    }
-
-    /// Whether a triangle with one corner elsewhere deviates by at most `allowed` times the bound at a grid of points, and keeps
-    /// clear of what is across a gap where it deviates by more than `before` times.
-    fn is_sampled_within(
-        &self,
-        facet: FacetId,
-        (vertex, to): (VertexId, &Vec3),
-        [before, allowed]: [f64; 2],
-        limits: &Limits,
-    ) -> bool {
-        let (Some(corners), Some(support)) = (self.corners(facet), self.support(facet)) else { return true };
-        let [a, b, c] = corners.map(|v| if v == vertex { *to } else { self.point(v) });
-        let grid =
-            (0..=SAMPLES).flat_map(|i| (0..=SAMPLES - i).map(move |j| [i, j].map(|k| f64::from(k) / f64::from(SAMPLES))));
-        let mut points = grid.map(|[s, t]| a * s + b * t + c * (1.0 - s - t));
-        points.all(|p| {
-            let excess = self.excess_at(support, facet, &p);
-            let surface = self.brep.facets[facet].surface;
-            let is_clear = || limits.is_clear(&p, support.distance(&p) / GAP_SHARE, surface, &self.supports);
-            excess <= allowed && (excess <= before || is_clear())
-        })
-    }
-
     fn foot_in_plane(&self, vertex: VertexId, origin: &Vec3, normal: &Vec3) -> Option<Vec3> {
         let height = |p: &Vec3| normal.dot(&(p - origin));
         let mut at = self.point(vertex);
@@ -402,7 +369,7 @@ impl Bends<'_> {
                 if best.as_ref().is_some_and(|((most, _), _)| Reverse(mended) > *most) {
                     continue;
                 }
-                let Some(after) = self.work.bent(vertex, &ring, &shift.to, (keeps, self.limits)) else { continue };
+                let Some(after) = self.bent(&ring, &shift, keeps) else { continue };
                 let rank = (Reverse(mended), after.cosine);
                 if best.as_ref().is_none_or(|b| rank < b.0) {
                     best = Some((rank, shift));
@@ -410,6 +377,36 @@ impl Bends<'_> {
             }
         }
         best.map(|b| b.1)
+    }
+
+    /// What the triangles around a vertex become after a shift; `None` if that is not allowed, or if an angle gets smaller than it
+    /// was and than `keeps` degrees.
+    fn bent(&self, ring: &Ring, shift: &Shift, keeps: f64) -> Option<Measure> {
+        let before = ring.before;
+        let floor = before.cosine.max(cosine_of_degrees(keeps));
+        let allowed = self.work.allowed(before);
+        let Effect { after, .. } = ring.plan(&shift.to, floor, allowed)?;
+        let is_near = ring.facets().all(|f| self.is_sampled_within(f, shift, before.excess, allowed));
+        (is_near && !after.is_flipped).then_some(after)
+    }
+
+    /// Whether a triangle deviates by at most `allowed` times the bound at a grid of points after a shift, and keeps clear of
+    /// what is across a gap where that is more than `before` times.
+    fn is_sampled_within(&self, facet: FacetId, shift: &Shift, before: f64, allowed: f64) -> bool {
+        let (Some(corners), Some(support)) = (self.work.corners(facet), self.work.support(facet)) else { return true };
+        let [a, b, c] = corners.map(|v| self.point(v, Some(shift)));
+        let grid =
+            (0..=SAMPLES).flat_map(|i| (0..=SAMPLES - i).map(move |j| [i, j].map(|k| f64::from(k) / f64::from(SAMPLES))));
+        let mut points = grid.map(|[s, t]| a * s + b * t + c * (1.0 - s - t));
+        points.all(|p| {
+            let excess = self.work.excess_at(support, facet, &p);
+            excess <= allowed && (excess <= before || self.is_clear(&p, self.work.brep.facets[facet].surface, support))
+        })
+    }
+
+    /// Whether a point that left its surface is far enough from what is across a gap.
+    fn is_clear(&self, point: &Vec3, surface: SurfaceId, support: &Support) -> bool {
+        self.limits.is_clear(point, support.distance(point) / GAP_SHARE, surface, &self.work.supports)
     }
 
     /// Drops the places where a vertex deviates by more than its triangles may: most of those in the plane of a facet beside,
@@ -427,9 +424,7 @@ impl Bends<'_> {
     fn keep_clear(&self, vertex: VertexId, shifts: &mut Vec<(usize, Shift)>) {
         let Place::Surface(surface) = self.work.place(vertex) else { return };
         let Some(support) = self.work.supports[surface].as_deref() else { return };
-        shifts.retain(|(_, Shift { to, .. })| {
-            self.limits.is_clear(to, support.distance(to) / GAP_SHARE, surface, &self.work.supports)
-        });
+        shifts.retain(|(_, shift)| self.is_clear(&shift.to, surface, support));
     }
 
     /// Places of a vertex in the planes of those facets at an edge that it is not a corner of: the feet, or, on a curve, where

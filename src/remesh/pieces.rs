@@ -1,6 +1,5 @@
 //! Cuts a planar facet across between marks on its border.
 
-use super::straight::triangles_of;
 use crate::brep::complex::ComplexFacet;
 use crate::geom::Vec3;
 use crate::geom::polygon::triangulate;
@@ -63,11 +62,11 @@ pub(super) fn cut_at(facet: ComplexFacet, corners: &[VertexId], points: &[Vec3])
             let all = [&chords[..], &[chord]].concat();
             tiles(&facet, &all, points).map(|t| (chord, t))
         });
-        let Some((chord, cut)) = found else { return triangles_of(&facet).collect() };
+        let Some((chord, cut)) = found else { return facet.divided().collect() };
         chords.push(chord);
         triangles = cut;
     }
-    pieces(&facet, &triangles, &chords).unwrap_or_else(|| triangles_of(&facet).collect())
+    pieces(&facet, &triangles, &chords).unwrap_or_else(|| facet.divided().collect())
 }
 
 /// Chords from a corner of the outer loop to its others: those that cut off no triangle first, and of these the one that leaves

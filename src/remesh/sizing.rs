@@ -164,7 +164,7 @@ pub(super) struct Limits {
     /// By surface: surfaces that share a curve with it, sorted.
     touching: Vec<Vec<SurfaceId>>,
     least: f64,
-    /// Largest distance of those from their true surfaces.
+    /// Largest distance of a triangle's middle from its true surface.
     sag: f64,
     /// A length that no apex asks for.
     large: f64,

@@ -6,7 +6,7 @@
 
 use super::pieces::{cut_at, edges_of};
 use super::workpiece::{Place, Workpiece};
-use crate::brep::complex::{Complex, ComplexFacet};
+use crate::brep::complex::Complex;
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
 use crate::geom::polygon::is_planar;
@@ -83,7 +83,7 @@ pub(super) fn cut_unsound(complex: &mut Complex, evaluated: &Complex) {
                 facets.extend(cut_at(facet, &corners, &points));
             }
         } else {
-            facets.extend(triangles_of(&facet));
+            facets.extend(facet.divided());
         }
     }
     complex.facets = facets.into_iter().collect::<IdVec<_, _>>();
@@ -91,11 +91,6 @@ pub(super) fn cut_unsound(complex: &mut Complex, evaluated: &Complex) {
 
 fn bits(p: &Vec3) -> [u64; 3] {
     [p.x, p.y, p.z].map(f64::to_bits)
-}
-
-/// A facet for each of a facet's triangles.
-pub(super) fn triangles_of(facet: &ComplexFacet) -> impl Iterator<Item = ComplexFacet> + '_ {
-    facet.triangles.iter().map(|&t| ComplexFacet { loops: vec![t.to_vec()], triangles: vec![t], ..facet.clone() })
 }
 
 /// Corners of a polygon that are nearly, but not exactly, straight, each between its neighbours; none of an edge that lies
