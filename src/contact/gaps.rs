@@ -8,6 +8,7 @@ use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
 use crate::geom::hash::IndexMap;
 use crate::geom::lists::Lists;
+use crate::geom::segment::between;
 use crate::ids::LeafId;
 use crate::primitive::solid::Solid;
 use std::ops::ControlFlow;
@@ -144,21 +145,9 @@ fn distance(f: &Outline, g: &Outline, reach: f64, points: &[Vec3]) -> Option<(f6
     for (p, bounds) in &mine {
         let bounds = bounds.inflated(reach);
         for (q, _) in yours.iter().filter(|yours| bounds.overlaps(&yours.1)) {
-            let (d, place) = between_segments(p, q);
+            let (d, place) = between(p, q);
             improve(d, place);
         }
     }
     Some(best)
-}
-
-/// Distance of two segments and a place of it on the first (Ericson 2005, 5.1.9).
-fn between_segments(p: &[Vec3; 2], q: &[Vec3; 2]) -> (f64, Vec3) {
-    let (d, e, r) = (p[1] - p[0], q[1] - q[0], p[0] - q[0]);
-    let (a, b, c, f) = (d.norm_squared(), d.dot(&e), e.norm_squared(), e.dot(&r));
-    let area = d.cross(&e).norm_squared();
-    let s = if area > 0.0 { ((b * f - d.dot(&r) * c) / area).clamp(0.0, 1.0) } else { 0.0 };
-    let t = ((b * s + f) / c).clamp(0.0, 1.0);
-    let s = ((b * t - d.dot(&r)) / a).clamp(0.0, 1.0);
-    let place = p[0] + d * s;
-    ((place - (q[0] + e * t)).norm(), place)
 }

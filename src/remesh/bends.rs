@@ -66,7 +66,7 @@ type Rank = (Reverse<usize>, f64);
 /// The bends of a workpiece.
 struct Bends<'a> {
     work: &'a mut Workpiece,
-    limits: &'a Limits,
+    limits: &'a Limits<'a>,
     /// Unit normals of all facets as they are.
     normals: Vec<Vec3>,
     /// Distance off a plane that counts as none.
@@ -406,7 +406,7 @@ impl Bends<'_> {
 
     /// Whether a point that left its surface is far enough from what is across a gap.
     fn is_clear(&self, point: &Vec3, surface: SurfaceId, support: &Support) -> bool {
-        self.limits.is_clear(point, support.distance(point) / GAP_SHARE, surface, &self.work.supports)
+        self.limits.gaps.is_clear(point, support.distance(point) / GAP_SHARE, surface, &self.work.supports)
     }
 
     /// Drops the places where a vertex deviates by more than its triangles may: most of those in the plane of a facet beside,

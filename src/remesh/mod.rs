@@ -5,8 +5,8 @@
 //! surfaces, markers and interfaces. Planar facets stay polygons.
 //!
 //! 1. Supports: `patch` gives every curved surface its true shape, before anything changes.
-//! 2. What is remeshed (`bands`): all curved facets but the rims of thin sheets, or those near curves that an intersection
-//!    made; strips are cut across there. These facets are divided into triangles (`Brep::divide_facet`).
+//! 2. What is remeshed: all curved facets but strips beside thin gaps (`kept`), or those near curves that an intersection made;
+//!    strips are cut across there (`bands`). These facets are divided into triangles (`Brep::divide_facet`).
 //! 3. Feature edges (`features`) are chained between corners; every chain gets its true curve, every vertex its place: corner,
 //!    on a curve, on a surface. A vertex of an intersection is projected on all surfaces at once. Facets between curves that
 //!    coincide on the true surfaces stay as evaluated (`pinches`).
@@ -49,7 +49,9 @@ mod bends;
 mod creases;
 mod features;
 pub mod forecast;
+mod gaps;
 mod history;
+mod kept;
 mod operators;
 mod pieces;
 mod pinches;
@@ -61,6 +63,7 @@ mod ring;
 mod schedule;
 mod sizing;
 mod straight;
+mod strips;
 mod verify;
 mod workpiece;
 
@@ -74,6 +77,7 @@ use crate::patch::fit::supports_of;
 use crate::patch::support::Support;
 use crate::scene::model::{Part, RemeshMode, RemeshOptions};
 use bands::Choice;
+use gaps::Gaps;
 use history::History;
 use sizing::{Bound, Bounds, Limits};
 use std::collections::HashMap;
@@ -105,16 +109,17 @@ pub fn remesh(complex: Complex, options: &RemeshOptions, parts: &IdVec<PartId, P
     let count = complex.surfaces.len();
     let original = creases::divide(&mut complex);
     let supports = supports_of(&complex, options.patches);
+    let gaps = Gaps::of(&complex, &supports);
     let choice = match options.mode {
         RemeshMode::Interfaces => Choice::near_intersections(&mut complex, &supports),
-        _ => Choice::all(&complex, &supports, options, parts),
+        _ => Choice::all(&complex, &supports, &gaps, options, parts),
     };
     if !choice.is_chosen.contains(&true) {
         return Ok(evaluated);
     }
     let mut retreat = Retreat { shares: vec![1.0; complex.surfaces.len()], choice, round: 0.0 };
     for left in (0..ATTEMPTS).rev() {
-        let (mut work, limits) = retreat.begin(&complex, &supports, options, parts)?;
+        let (mut work, limits) = retreat.begin(&complex, &supports, &gaps, options, parts)?;
         let is_done = work.remesh(&limits);
         let mut faults = work.faults();
         // Half done, it has needles that would go.
@@ -145,16 +150,17 @@ struct Retreat {
 
 impl Retreat {
     /// The model ready for work, with the facets that have to stay left out.
-    fn begin(
+    fn begin<'a>(
         &mut self,
         complex: &Complex,
         supports: &Supports,
+        gaps: &'a Gaps,
         options: &RemeshOptions,
         parts: &IdVec<PartId, Part>,
-    ) -> Outcome<(Workpiece, Limits)> {
+    ) -> Outcome<(Workpiece, Limits<'a>)> {
         loop {
             let mut work = Workpiece::new(complex.clone(), supports.clone(), self.shares.clone(), self.choice.clone())?;
-            let limits = work.prepare(options, parts);
+            let limits = work.prepare(gaps, options, parts);
             if !self.leave(&work.pinched(), complex) {
                 return Ok((work, limits));
             }
@@ -223,14 +229,14 @@ impl Workpiece {
     }
 
     /// Finds bound, sizes and features.
-    fn prepare(&mut self, options: &RemeshOptions, parts: &IdVec<PartId, Part>) -> Limits {
+    fn prepare<'a>(&mut self, gaps: &'a Gaps, options: &RemeshOptions, parts: &IdVec<PartId, Part>) -> Limits<'a> {
         let size = Aabb::around(self.brep.vertices.iter().map(|v| &v.point)).diagonal();
         let treated = self.chosen();
         self.bounds = match options.max_deviation {
             Some(d) => Bounds::Given(d),
             None => self.present_bounds(&treated, size),
         };
-        let limits = Limits::of(self, size, parts);
+        let limits = Limits::new(gaps, size, &self.brep.markers, parts);
         self.divide(&treated);
         self.find_features();
         limits

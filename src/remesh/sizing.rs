@@ -1,13 +1,10 @@
 //! How long edges should be and how far from the true surface facets may be.
 
-use super::Supports;
+use super::gaps::Gaps;
 use super::workpiece::{Place, Workpiece};
 use crate::brep::complex::Marker;
 use crate::geom::Vec3;
-use crate::geom::aabb::Aabb;
-use crate::geom::bvh::Bvh;
 use crate::ids::{FacetId, Id, IdVec, MarkerId, PartId, SurfaceId, VertexId};
-use crate::patch::fit::closest_on_triangle;
 use crate::patch::support::{Foot, Support};
 use crate::scene::model::Part;
 use std::cell::Cell;
@@ -41,7 +38,7 @@ const LARGE_SIZE: f64 = 0.1;
 /// triangles of that size only in corners. At 1.5 triangles are as wide as the strips were; with 1, TetGen needs a third more
 /// tetrahedra. With 1.7 it needs a fifth less on union_two_differences in Interfaces (6090 against 7450), but half more on
 /// turned sphere grids. (Gmsh and Netgen leave 1.5 to 2.5 times the chord error.)
-const EASE: f64 = 1.5;
+pub(super) const EASE: f64 = 1.5;
 
 /// The default bound follows the curvature (equation 4.1) within this factor of its mean.
 const BOUND_RANGE: f64 = 4.0;
@@ -157,15 +154,15 @@ pub(super) fn length_on(foot: &Foot, allowed: f64) -> f64 {
 /// Few are longer than that, by less than a tenth.
 const PER_LARGEST: f64 = 1.0 / 1.5;
 
+/// Wanted edge length of triangles on a surface near a point, for a deviation.
+pub(super) fn wanted_for(support: &Support, point: &Vec3, deviation: f64) -> f64 {
+    SAFETY * length_on(&support.closest(point), deviation)
+}
+
 /// Limits from outside: largest edges of parts and interfaces, and thin gaps.
-pub(super) struct Limits {
-    tree: Bvh,
-    triangles: Vec<([Vec3; 3], SurfaceId)>,
-    /// By surface: surfaces that share a curve with it, sorted.
-    touching: Vec<Vec<SurfaceId>>,
+pub(super) struct Limits<'a> {
+    pub gaps: &'a Gaps,
     least: f64,
-    /// Largest distance of a triangle's middle from its true surface.
-    sag: f64,
     /// A length that no apex asks for.
     large: f64,
     /// By marker: the length that its largest edge asks for.
@@ -174,82 +171,25 @@ pub(super) struct Limits {
     pub is_cramped: Cell<bool>,
 }
 
-impl Limits {
-    /// From the model before it changes.
-    pub fn of(work: &Workpiece, size: f64, parts: &IdVec<PartId, Part>) -> Self {
-        let brep = &work.brep;
-        let mut triangles = Vec::new();
-        let mut touching = vec![Vec::new(); work.supports.len()];
-        for facet in brep.topology.facets() {
-            let surface = brep.facets[facet].surface;
-            triangles.extend(brep.triangles(facet).map(|t| (t.map(|v| work.point(v)), surface)));
-        }
-        for vertex in brep.topology.vertices() {
-            let here: Vec<SurfaceId> = brep.topology.facets_at(vertex).map(|f| brep.facets[f].surface).collect();
-            for s in &here {
-                touching[s.index()].extend(here.iter().copied());
-            }
-        }
-        for list in &mut touching {
-            list.sort_unstable();
-            list.dedup();
-        }
-        let middle = |[a, b, c]: &[Vec3; 3]| (a + b + c) / 3.0;
-        let exact = |s: SurfaceId| work.supports[s].as_deref().filter(|s| !s.is_fitted());
-        let sag = |(t, surface): &([Vec3; 3], SurfaceId)| exact(*surface).map_or(0.0, |s| s.distance(&middle(t)));
-        let sag = triangles.iter().map(sag).fold(0.0, f64::max);
-        let boxes = triangles.iter().map(|t: &([Vec3; 3], SurfaceId)| Aabb::around(t.0.iter())).collect();
+impl<'a> Limits<'a> {
+    /// For interfaces of parts in a model of some size.
+    pub fn new(gaps: &'a Gaps, size: f64, markers: &IdVec<MarkerId, Marker>, parts: &IdVec<PartId, Part>) -> Self {
         Self {
-            tree: Bvh::new(boxes),
-            triangles,
-            touching,
+            gaps,
             least: LEAST_SIZE * size,
-            sag,
             is_cramped: Cell::new(false),
             large: LARGE_SIZE * size,
-            wanted: brep.markers.iter().map(|m| wanted_on(m, parts)).collect(),
+            wanted: markers.iter().map(|m| wanted_on(m, parts)).collect(),
         }
     }
 
     /// The wanted length, at most `length` and `wanted`, at a point of some surfaces; gaps do not make it less than `finest`.
     fn limit(&self, point: &Vec3, [length, wanted]: [f64; 2], surfaces: &[SurfaceId], finest: f64) -> f64 {
-        let limited = PER_GAP * self.gap(point, length.min(wanted) / PER_GAP, surfaces);
+        let limited = PER_GAP * self.gaps.width(point, length.min(wanted) / PER_GAP, surfaces);
         if limited < finest.min(wanted) {
             self.is_cramped.set(true);
         }
         limited.max(finest.min(wanted)).max(self.least)
-    }
-
-    /// Distance to the nearest facet that shares no curve with some surfaces, at most `reach`.
-    fn gap(&self, point: &Vec3, reach: f64, surfaces: &[SurfaceId]) -> f64 {
-        let mut gap = reach;
-        let near = Aabb { lo: point - Vec3::repeat(reach), hi: point + Vec3::repeat(reach) };
-        self.tree.overlapping(&near, |t| {
-            let (corners, surface) = &self.triangles[t as usize];
-            let meets = surfaces.iter().any(|s| self.touching[s.index()].binary_search(surface).is_ok());
-            if !meets {
-                gap = gap.min((closest_on_triangle(corners, point) - point).norm());
-            }
-        });
-        gap
-    }
-
-    /// Whether no other true surface, but those that share a curve with a point's own, is within reach of it. Facets will not do:
-    /// they sag by more than a thin gap.
-    pub fn is_clear(&self, point: &Vec3, reach: f64, surface: SurfaceId, supports: &Supports) -> bool {
-        let far = reach + self.sag;
-        let near = Aabb { lo: point - Vec3::repeat(far), hi: point + Vec3::repeat(far) };
-        let touching = &self.touching[surface.index()];
-        let mut is_clear = true;
-        self.tree.overlapping(&near, |t| {
-            let (corners, other) = &self.triangles[t as usize];
-            if is_clear && touching.binary_search(other).is_err() {
-                let from_facet = (closest_on_triangle(corners, point) - point).norm();
-                let support = supports[*other].as_deref().filter(|s| !s.is_fitted() && from_facet < far);
-                is_clear = support.map_or(from_facet, |s| s.distance(point).min(from_facet)) >= reach;
-            }
-        });
-        is_clear
     }
 }
 

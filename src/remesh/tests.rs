@@ -144,12 +144,13 @@ fn no_facets_are_almost_in_one_plane() {
 /// A complex all of whose curved facets have been remeshed, before facets are brought into one plane.
 pub fn polished(complex: Complex, max_deviation: f64) -> Workpiece {
     let supports = supports_of(&complex, RemeshOptions::default().patches);
-    let choice = Choice::all(&complex, &supports, &RemeshOptions::default(), &IdVec::new());
+    let gaps = Gaps::of(&complex, &supports);
+    let choice = Choice::all(&complex, &supports, &gaps, &RemeshOptions::default(), &IdVec::new());
     let shares = vec![1.0; complex.surfaces.len()];
     let mut work = Workpiece::new(complex, supports, shares, choice).unwrap();
     work.bounds = Bounds::Given(max_deviation);
     let treated = work.chosen();
-    let limits = Limits::of(&work, 1.0, &IdVec::new());
+    let limits = Limits::new(&gaps, 1.0, &work.brep.markers, &IdVec::new());
     work.divide(&treated);
     work.find_features();
     assert!(work.run(&limits));
