@@ -10,7 +10,7 @@ use super::gaps::Gaps;
 use super::sizing::{EASE, NARROWEST, PER_STRIP, wanted_for, wanted_on};
 use super::strips::{Edge, Strips};
 use super::workpiece::sorted;
-use crate::brep::complex::{Complex, ComplexFacet};
+use crate::brep::complex::Complex;
 use crate::geom::Vec3;
 use crate::ids::{FacetId, Id, IdVec, PartId, SurfaceId};
 use crate::scene::model::{Part, RemeshOptions};
@@ -46,7 +46,7 @@ impl Choice {
     ) -> Self {
         let strips = Strips::of(complex, supports);
         let is_off = strips.off_vertices();
-        let is_true = |facet: &ComplexFacet| !facet.loops.iter().flatten().any(|v| is_off[v.index()]);
+        let is_true = |facet: FacetId| !complex.facets[facet].loops.iter().flatten().any(|v| is_off[v.index()]);
         let candidates: Vec<Strip> = complex.facets.ids().filter_map(|f| strips.strip(f)).collect();
         let allowed = strips.allowed(&candidates, options);
         let mut is_chosen: Vec<bool> = complex.facets.iter().map(|f| supports[f.surface].is_some()).collect();
@@ -59,7 +59,7 @@ impl Choice {
             }
             if strips.is_rim(&strip) {
                 is_chosen[strip.facet.index()] = false;
-            } else if is_true(facet) {
+            } else if strips.with_neighbours(&strip).all(is_true) {
                 let reach = strips.wanted(&strip, allowed).min(longest);
                 if let Some(near) = gaps.facing(facet, complex, [MEETING * allowed, reach]) {
                     is_chosen[strip.facet.index()] = false;
@@ -98,6 +98,12 @@ impl Strips<'_> {
     fn wanted(&self, strip: &Strip, allowed: f64) -> f64 {
         let middle = strip.rulings.iter().flatten().map(|&v| self.point(v)).sum::<Vec3>() / 4.0;
         self.support(strip.facet).map_or(0.0, |support| wanted_for(support, &middle, allowed))
+    }
+
+    /// The facets at the rulings of a strip, itself among them. Where a ruling ends at an intersection, or passes near one, the
+    /// triangles beyond must be free to pass it.
+    fn with_neighbours(&self, strip: &Strip) -> impl Iterator<Item = FacetId> {
+        strip.rulings.map(sorted).into_iter().flat_map(|ruling| self.around(ruling))
     }
 
     fn length(&self, [a, b]: Edge) -> f64 {

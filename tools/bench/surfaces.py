@@ -31,7 +31,7 @@ def full_scene(name, deviation, folder):
 def gsm(program, path, folder):
     done = subprocess.run([program, "build", path, "--json", "--threads", "1"], cwd=folder, capture_output=True, check=True)
     result = json.loads(done.stdout)
-    return next(t["cpu"] for t in result["timings"] if t["stage"] == "remesh"), result["quality"]["triangles"]
+    return next(t["cpu"] for t in result["timings"] if t["stage"] == "remesh"), (result["quality"] or {"triangles": 0})["triangles"]
 
 
 def peer(python, script, scene, variant, folder):
