@@ -93,15 +93,26 @@ pub struct Torus {
 
 impl Torus {
     pub(super) fn closest(&self, point: &Vec3) -> Foot {
+        let (Nearest { point, normal, .. }, radial, across) = self.foot(point);
+        let around = self.frame.z.cross(&radial);
+        let tube = normal.cross(&around);
+        let bending = tube * tube.transpose() / self.minor + around * around.transpose() * across;
+        Foot { point, normal, bending }
+    }
+
+    pub(super) fn nearest(&self, point: &Vec3) -> Nearest {
+        self.foot(point).0
+    }
+
+    /// The foot, the direction from the axis to it and the curvature around the axis.
+    fn foot(&self, point: &Vec3) -> (Nearest, Vec3, f64) {
         let (radial, _, _) = cylindrical(&self.frame, point);
         let center = self.frame.origin + radial * self.major;
         let normal = (point - center).try_normalize(0.0).unwrap_or(radial);
-        let around = self.frame.z.cross(&radial);
-        let tube = normal.cross(&around);
         let outward = normal.dot(&radial);
-        let distance = (self.major + self.minor * outward).max(SMALLEST_RADIUS * self.major);
-        let bending = tube * tube.transpose() / self.minor + around * around.transpose() * (outward / distance);
-        Foot { point: center + normal * self.minor, normal, bending }
+        let across = outward / (self.major + self.minor * outward).max(SMALLEST_RADIUS * self.major);
+        let curvature = across.abs().max(1.0 / self.minor);
+        (Nearest { point: center + normal * self.minor, normal, curvature }, radial, across)
     }
 }
 

@@ -14,6 +14,10 @@ fn assert_is_foot(support: &Support, point: Vec3) {
     let again = support.closest(&foot.point);
     assert!((again.point - foot.point).norm() < 1e-9, "on the surface");
     assert!((point - foot.point).cross(&foot.normal).norm() < 1e-7, "along the normal: {point:?}");
+    let nearest = support.nearest(&point);
+    assert!((nearest.point - foot.point).norm().max((nearest.normal - foot.normal).norm()) < 1e-12, "nearest is closest");
+    let curvature = foot.largest_curvature();
+    assert!((nearest.curvature - curvature).abs() < 1e-9 * (1.0 + curvature), "{} {curvature}", nearest.curvature);
     let step = 1e-5;
     for (curvature, direction) in foot.principal() {
         let beside = support.closest(&(foot.point + direction * step));
@@ -35,6 +39,21 @@ fn feet_meet_the_conditions() {
     for p in samples() {
         for s in [&cylinder, &ellipsoid, &torus] {
             assert_is_foot(s, p);
+        }
+    }
+}
+
+/// Feet that are pushed off along the normal come back, from any distance, however slim the ellipsoid.
+#[test]
+fn slim_ellipsoids_give_their_feet_back() {
+    let radii = Vec3::new(50.0, 7.0, 0.4);
+    let slim = Ellipsoid::new(tilted(), radii);
+    for p in samples() {
+        let foot = slim.closest(&(p * 20.0));
+        // Inside, centres of curvature are no nearer than the least radius of curvature.
+        for height in [1e-9, 1e-3, 0.1, 1.0, 100.0, -1e-9, -1e-4, -0.1 * 0.4 * 0.4 / 50.0] {
+            let found = slim.closest(&(foot.point + foot.normal * height));
+            assert!((found.point - foot.point).norm() < 1e-9 * 50.0, "{height}: {:?} {:?}", found.point, foot.point);
         }
     }
 }

@@ -6,7 +6,7 @@ use crate::geom::Vec3;
 use crate::scene::model::Frame;
 use nalgebra::{Matrix3, Rotation3};
 
-/// Newton steps at most; from the left end of the bracket the modified step needs about ten.
+/// Newton steps at most; from the left end of the bracket the modified step needs about ten, near the surface three.
 const MAX_STEPS: usize = 60;
 
 /// Ellipsoid with half axes along the axes of a frame.
@@ -33,20 +33,37 @@ impl Ellipsoid {
     }
 
     pub(super) fn nearest(&self, point: &Vec3) -> Nearest {
-        self.on_sphere(point).unwrap_or_else(|| self.closest(point).into())
+        self.on_sphere(point).unwrap_or_else(|| {
+            let (foot, gradient, squares) = self.foot(point);
+            let length = gradient.norm();
+            // Mean and Gaussian curvature of a level surface (Goldman 2005); its Hessian is diagonal here.
+            let bent = gradient.component_mul(&squares).dot(&gradient);
+            let mean = (length * length * squares.sum() - bent) / (2.0 * length.powi(3));
+            let minors = Vec3::new(squares.y * squares.z, squares.z * squares.x, squares.x * squares.y);
+            let gaussian = gradient.component_mul(&minors).dot(&gradient) / length.powi(4);
+            let curvature = mean + (mean * mean - gaussian).max(0.0).sqrt();
+            let [point, normal] = [foot, gradient / length].map(|v| out_of_frame(&self.frame, &v));
+            Nearest { point: self.frame.origin + point, normal, curvature }
+        })
+    }
+
+    /// Foot of a point, gradient of the level there and inverse squares of the half axes, in the frame's coordinates.
+    fn foot(&self, point: &Vec3) -> (Vec3, Vec3, Vec3) {
+        let local = into_frame(&self.frame, point);
+        let foot = closest_in_octant(&self.radii, &local.abs());
+        let foot = Vec3::new(foot.x.copysign(local.x), foot.y.copysign(local.y), foot.z.copysign(local.z));
+        let squares = self.radii.map(|r| 1.0 / (r * r));
+        (foot, foot.component_mul(&squares), squares)
     }
 
     pub(super) fn closest(&self, point: &Vec3) -> Foot {
         if let Some(Nearest { point, normal, curvature }) = self.on_sphere(point) {
             return Foot { point, normal, bending: (Matrix3::identity() - normal * normal.transpose()) * curvature };
         }
-        let local = into_frame(&self.frame, point);
-        let foot = closest_in_octant(&self.radii, &local.abs());
-        let foot = Vec3::new(foot.x.copysign(local.x), foot.y.copysign(local.y), foot.z.copysign(local.z));
-        let inverse_squares = self.radii.map(|r| 1.0 / (r * r));
-        let gradient = out_of_frame(&self.frame, &foot.component_mul(&inverse_squares));
+        let (foot, gradient, squares) = self.foot(point);
+        let gradient = out_of_frame(&self.frame, &gradient);
         let axes = Rotation3::from_basis_unchecked(&[self.frame.x, self.frame.y, self.frame.z]);
-        let hessian = axes.matrix() * Matrix3::from_diagonal(&inverse_squares) * axes.matrix().transpose();
+        let hessian = axes.matrix() * Matrix3::from_diagonal(&squares) * axes.matrix().transpose();
         Foot {
             point: self.frame.origin + out_of_frame(&self.frame, &foot),
             normal: gradient.normalize(),
@@ -71,7 +88,8 @@ fn closest_in_octant(radii: &Vec3, point: &Vec3) -> Vec3 {
     if start <= -1.0 && value(start) < 1.0 {
         return foot_across_smallest(radii, &ratio, point);
     }
-    let mut s = start;
+    // Near the surface the root is near 0, and a step from there leaves little to do; right of it the first step leads left.
+    let mut s = start.max(0.0);
     for _ in 0..MAX_STEPS {
         let g = value(s);
         let slope: f64 = terms(s).map(|(x, d)| x * x / d).sum();
@@ -79,7 +97,7 @@ fn closest_in_octant(radii: &Vec3, point: &Vec3) -> Vec3 {
         if !step.is_finite() || step.abs() <= f64::EPSILON * (1.0 + s.abs()) {
             break;
         }
-        s += step;
+        s = (s + step).max(start);
     }
     let foot = Vec3::from_fn(|k, _| if z[k] > 0.0 { ratio[k] * point[k] / (s + ratio[k]) } else { 0.0 });
     // Onto the surface exactly, along the ray from the centre: removes what is left of the iteration's error.

@@ -140,7 +140,7 @@ impl Support {
             Self::Ellipsoid(s) => s.nearest(point),
             Self::Fitted(s) => s.nearest(point),
             Self::Image(s) => s.nearest(point),
-            Self::Torus(_) => self.closest(point).into(),
+            Self::Torus(s) => s.nearest(point),
         }
     }
 
