@@ -111,3 +111,96 @@ fn strips_of_a_surface_stay_together() {
     let (least, below, _) = shape("gear", "full", scene);
     assert!(least > 35.0 && below == 0.0, "{least} {below}");
 }
+
+/// Askew strips that stay beside remeshed ones, and askew planes beside a remeshed hole, have vertices of their neighbours on
+/// straight edges. They stay polygons; once they were cut into fans of needles.
+#[test]
+fn askew_polygons_are_not_cut_into_fans() {
+    let strips = r#"Scene(units: "mm", parts: [
+        Part(name: "c", solid: Rotate(axis: (2, 1, 3), angle: 65, solid: Frustum(bottom_radius: 10, top_radius: 4, height: 15))),
+        Part(name: "b", solid: Block(min: (0, -2, 3), max: (20, 2, 8))),
+    ])"#;
+    let (least, below, _) = shape("strips", "interfaces", strips);
+    assert!(least > 15.0 && below < 0.05, "{least} {below}");
+    let hole = r#"Scene(units: "mm", parts: [
+        Part(name: "b", solid: Rotate(axis: (1, 2, 3), angle: 37,
+            solid: Difference([Block(size: (20, 20, 10)), Cylinder(radius: 4, height: 20, base: (0, 0, -10))]))),
+    ])"#;
+    let (least, below, _) = shape("hole", "full", hole);
+    assert!(least > 40.0 && below == 0.0, "{least} {below}");
+}
+
+/// The line along which a rod touches a wall is a loose segment of the wall's polygon; with vertices of the rod on it, too.
+#[test]
+fn a_wall_that_touches_a_rod_stays_whole() {
+    let scene = r#"Scene(units: "mm", parts: [
+        Part(name: "slab", solid: Block(min: (-20, -20, -10), max: (20, 0, 15))),
+        Part(name: "rod", solid: Cylinder(radius: 5, height: 15, base: (0, 5, 0))),
+    ])"#;
+    let (least, below, _) = shape("tangent", "full", scene);
+    assert!(least > 30.0 && below == 0.0, "{least} {below}");
+}
+
+/// Every surface keeps a deviation of its own: once the sphere of air set that of the wire in it, which lost half of its volume.
+#[test]
+fn a_wire_stays_a_wire_in_a_large_sphere_of_air() {
+    let folder = folder("remeshed-wire");
+    let file = folder.join("scene.ron");
+    let scene = r#"Scene(units: "mm", parts: [
+        Part(name: "air", solid: Sphere(radius: 100)),
+        Part(name: "wire", solid: Torus(major_radius: 10, minor_radius: 0.8)),
+    ])"#;
+    std::fs::write(&file, scene).unwrap();
+    let parts = &build(&file, &["--remesh", "full"], &folder)["parts"];
+    let wire = parts.as_array().unwrap().iter().find(|p| p["part"] == "wire").unwrap();
+    let exact = 2.0 * std::f64::consts::PI.powi(2) * 10.0 * 0.8 * 0.8;
+    let volume = wire["volume"].as_f64().unwrap();
+    assert!((volume / exact - 1.0).abs() < 0.04, "{volume} {exact}");
+}
+
+/// The triangles of an icosahedron on the unit sphere, each cut in four twice, as text of an OFF.
+fn icosphere() -> String {
+    let g = 0.5 * (1.0 + 5f64.sqrt());
+    let unit = |p: [f64; 3]| p.map(|x| x / p.iter().map(|y| y * y).sum::<f64>().sqrt());
+    let corner = [[-1., g, 0.], [1., g, 0.], [-1., -g, 0.], [1., -g, 0.]];
+    let turned = |k: usize| corner.map(|[x, y, z]| unit([[x, y, z], [z, x, y], [y, z, x]][k]));
+    let mut points: Vec<[f64; 3]> = (0..3).flat_map(turned).collect();
+    let faces = "0 11 5 0 5 1 0 1 7 0 7 10 0 10 11 1 5 9 5 11 4 11 10 2 10 7 6 7 1 8 3 9 4 3 4 2 3 2 6 3 6 8 3 8 9 4 9 5 2 4 11 6 2 10 8 6 7 9 8 1";
+    let numbers: Vec<usize> = faces.split(' ').map(|n| n.parse().unwrap()).collect();
+    let mut triangles: Vec<[usize; 3]> = numbers.chunks(3).map(|t| [t[0], t[1], t[2]]).collect();
+    for _ in 0..2 {
+        let mut finer = Vec::new();
+        for [a, b, c] in triangles {
+            let [d, e, f] = [[a, b], [b, c], [c, a]].map(|[p, q]| {
+                let middle = unit([0, 1, 2].map(|i| 0.5 * (points[p.min(q)][i] + points[p.max(q)][i])));
+                points.iter().position(|p| *p == middle).unwrap_or_else(|| {
+                    points.push(middle);
+                    points.len() - 1
+                })
+            });
+            finer.extend([[a, d, f], [b, e, d], [c, f, e], [d, e, f]]);
+        }
+        triangles = finer;
+    }
+    let points: String = points.iter().map(|p| format!("{} {} {}\n", p[0], p[1], p[2])).collect();
+    let facets: String = triangles.iter().map(|t| format!("3 {} {} {}\n", t[0], t[1], t[2])).collect();
+    format!("OFF\n162 320 0\n{points}{facets}")
+}
+
+/// A cut a millionth beside the vertices of a ball known by its facets leaves chords as short. Once they set the size of all
+/// triangles around, which were split without end.
+#[test]
+fn a_cut_almost_through_vertices_asks_for_no_smaller_triangles() {
+    let scene = r#"Scene(units: "mm", parts: [
+        Part(name: "ball", solid: Difference([Import(file: "ball.off"), Block(min: (1e-6, -1e-6, 2e-6), max: (2, 2, 2))])),
+    ])"#;
+    // 320 triangles, of which an eighth is gone, and its three walls.
+    let file = folder("remeshed-cut").join("scene.ron");
+    std::fs::write(file.with_file_name("ball.off"), icosphere()).unwrap();
+    std::fs::write(&file, scene).unwrap();
+    let built = build(&file, &[], file.parent().unwrap());
+    let count = built["quality"]["triangles"].as_f64().unwrap();
+    assert!(count < 500.0, "{count}");
+    let check = gsm(["check", "scene.poly"], file.parent().unwrap());
+    assert_eq!(check.status.code(), Some(0), "{}", String::from_utf8_lossy(&check.stdout));
+}

@@ -27,6 +27,7 @@ const DEPTH: f64 = 1.0;
 const LEAST_REST: f64 = 1.0;
 /// A corner nearer to a ruling than this many widths asks for work in the strip beyond, too.
 const LEAST_SIDE: f64 = 0.5;
+
 /// What is to be remeshed.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Choice {
