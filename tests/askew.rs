@@ -163,3 +163,26 @@ fn notched_strips_are_meshed() {
     done.expect("TetGen is needed: apt-get install tetgen");
     assert!(path.join("askew.1.ele").exists());
 }
+
+#[test]
+fn without_air_each_circle_of_corners_gets_a_vertex() {
+    let path = folder("askew_bare");
+    let mut died = Vec::new();
+    for (turn, mode) in TURNS.iter().flat_map(|t| ["off", "interfaces"].map(|m| (t, m))) {
+        let (axis, angle) = turn;
+        let text = format!(
+            "Scene(units: \"mm\", parts: [Part(name: \"body\", solid: Rotate(axis: {axis}, angle: {angle},
+                solid: Cylinder(radius: 6, height: 30, base: (3, 4, -9))))])"
+        );
+        // 24 corners in each cap, 4 in each of 24 strips: 26 circles.
+        assert_eq!(vertices(&path, &text, mode).len(), 48 + 26, "{turn:?} {mode}");
+        assert_eq!(gsm(["check", "askew.poly"], &path).status.code(), Some(0), "{turn:?} {mode}");
+        let _ = fs::remove_file(path.join("askew.1.ele"));
+        let done = Command::new("tetgen").args(["-pq2.0AQ", "askew.poly"]).current_dir(&path).output();
+        done.expect("TetGen is needed: apt-get install tetgen");
+        if !path.join("askew.1.ele").exists() {
+            died.push(format!("{turn:?} {mode}"));
+        }
+    }
+    assert!(died.is_empty(), "{died:#?}");
+}

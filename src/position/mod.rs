@@ -16,9 +16,13 @@
 //! TetGen in its triangles, unless the complex was remeshed: there most such corners are the remesher's, off the line by a trace,
 //! and triangles of these polygons are needles that gain nothing.
 //!
+//! What stands free, with no air around it, gets a lone vertex in each such circle besides: see `pins`.
+//!
 //! ```text
 //! rounded: a flat tetrahedron over 4 corners       stretched: the empty circle of 3 corners leaves out the 4th
 //! ```
+
+mod pins;
 
 use crate::brep::complex::{Complex, ComplexFacet};
 use crate::geom::Vec3;
@@ -51,7 +55,8 @@ const ROUNDS: usize = 4;
 /// x axis, and are inclined to the others by angles that people hardly give (61.7 degrees).
 const ALONG: Vec3 = Vec3::new(0.31, -1.0, 0.69);
 
-/// A complex in which what lies askew is in general position, with the same names, numbers and loops.
+/// A complex in which what lies askew is in general position, with the same names, numbers and loops; new are only lone vertices,
+/// at the end of the vertices and of their facets' loops.
 ///
 /// `tolerance` is the one that decided what touches, in the scene's unit; `is_remeshed` tells whether the remesher saw the
 /// complex. Pieces whose polygons would not be planar to rounding, or not simple, stay as they are; so do those that would meet
@@ -85,6 +90,7 @@ pub fn position(mut complex: Complex, tolerance: f64, is_remeshed: bool) -> Comp
             unsound = (0..pieces.is_moved.len()).collect();
         }
     }
+    pieces.pin(&mut complex, &before.points);
     complex
 }
 
@@ -157,8 +163,7 @@ impl Pieces {
     /// Triangulates the polygons of stretched pieces again; pieces with polygons of which none can be made, ascending.
     fn renew_polygons(&self, complex: &mut Complex, before: &mut Before) -> Vec<usize> {
         let points: Vec<Vec3> = complex.vertices.iter().map(|v| v.point).collect();
-        let flatness =
-            PLANAR_ULPS * f64::EPSILON * points.iter().fold(Aabb::around(&points).diagonal(), |m, p| m.max(p.amax()));
+        let flatness = flatness(&points);
         let mut unsound = BTreeSet::new();
         for (k, facet) in complex.facets.iter_mut().enumerate().filter(|(_, f)| f.triangles.len() > 1) {
             let piece = self.of_facet(facet);
@@ -228,11 +233,33 @@ fn is_askew(facet: &ComplexFacet, complex: &Complex) -> bool {
 
 /// Whether the last point is on the circle of the first three but for rounding.
 fn is_on_circle([a, b, c, d]: &[Vec3; 4]) -> bool {
-    let (u, v) = (b - a, c - a);
-    let normal = u.cross(&v);
-    let to_center = (normal.cross(&u) * v.norm_squared() + v.cross(&normal) * u.norm_squared()) / (2.0 * normal.norm_squared());
-    let radius = to_center.norm();
-    ((d - a - to_center).norm() - radius).abs() <= ROUND * radius
+    Circle::through(&[*a, *b, *c]).holds(d)
+}
+
+/// The circle of three points.
+struct Circle {
+    center: Vec3,
+    radius: f64,
+}
+
+impl Circle {
+    fn through([a, b, c]: &[Vec3; 3]) -> Self {
+        let (u, v) = (b - a, c - a);
+        let normal = u.cross(&v);
+        let to_center =
+            (normal.cross(&u) * v.norm_squared() + v.cross(&normal) * u.norm_squared()) / (2.0 * normal.norm_squared());
+        Self { center: a + to_center, radius: to_center.norm() }
+    }
+
+    /// Whether a point of its plane is on it but for rounding.
+    fn holds(&self, p: &Vec3) -> bool {
+        ((p - self.center).norm() - self.radius).abs() <= ROUND * self.radius
+    }
+}
+
+/// How far from its plane a corner of a polygon may be.
+fn flatness(points: &[Vec3]) -> f64 {
+    PLANAR_ULPS * f64::EPSILON * points.iter().fold(Aabb::around(points).diagonal(), |m, p| m.max(p.amax()))
 }
 
 /// Whether a corner of a polygon lies in line with an edge that it does not end, but for rounding and not exactly.
