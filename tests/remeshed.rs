@@ -204,3 +204,25 @@ fn a_cut_almost_through_vertices_asks_for_no_smaller_triangles() {
     let check = gsm(["check", "scene.poly"], file.parent().unwrap());
     assert_eq!(check.status.code(), Some(0), "{}", String::from_utf8_lossy(&check.stdout));
 }
+
+/// Tetrahedra above ratio 2.0 of TetGen on a scene wholly remeshed.
+fn above_bound(name: &str, deviation: f64) -> u64 {
+    let folder = folder(&format!("remeshed-above-{name}"));
+    let scene = std::fs::read_to_string(format!("scenes/{name}.ron")).unwrap();
+    let wanted = scene.replacen("units: \"mm\",", &format!("units: \"mm\", remesh: Full, max_deviation: {deviation},"), 1);
+    assert_ne!(scene, wanted);
+    std::fs::write(folder.join("scene.ron"), wanted).unwrap();
+    let run = gsm(["mesh", "scene.ron", "--json"], &folder);
+    let report: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
+    report["tets"]["above_bound"].as_u64().unwrap_or_else(|| panic!("{name}: {report}"))
+}
+
+/// A vertex in the smallest sphere of an edge makes TetGen split it and many around: with nine such edges on three_cylinders, five
+/// on union_two_differences and nine, with three triangles, on cylinders_union_difference 15, 5 and 24 tetrahedra stayed above.
+#[test]
+fn nothing_is_in_the_spheres_of_edges_and_triangles() {
+    assert_eq!(above_bound("cone", 0.46), 0);
+    assert_eq!(above_bound("three_cylinders", 1.0), 0);
+    assert!(above_bound("union_two_differences", 1.64) <= 2);
+    assert!(above_bound("cylinders_union_difference", 1.3) <= 5);
+}

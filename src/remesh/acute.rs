@@ -6,8 +6,14 @@
 //! swap or split near the triangle, legal but bad, then moves and swaps around it, worst vertex first, as in polishing. Four in
 //! five of these angles go so (reference scenes in Full at the deviations of their issue, 23 November; what a change does is
 //! seen in the test below). Cost: a bounded number of trials per facet, each of bounded length.
+//!
+//! At the very end every edge and triangle in whose smallest sphere any vertex lies (`sight`) is tried: all vertices of a place
+//! move in turn where the sum of squared flaws is least. Nine such edges left on three_cylinders made 15
+//! tetrahedra above ratio 2.0; without them there is none.
 
-use super::quality::{flaw, is_obtuse, of_flawed};
+use super::quality::{flaw, is_obtuse};
+use super::sight::Sight;
+use super::trial::Trial;
 use super::workpiece::Workpiece;
 use crate::brep::store::EdgeId;
 use crate::geom::Vec3;
@@ -18,18 +24,8 @@ use std::collections::HashMap;
 const PASSES: usize = 3;
 /// Trials at most, per treated facet: more than any reference scene takes (machine: one).
 const TRIALS_PER_FACET: usize = 2;
-/// Vertices looked at in a trial.
-const STEPS: usize = 20;
 /// Least gain for which a trial is kept: a quarter of the flaw of a right angle.
 const LEAST_GAIN: f64 = 0.01;
-/// Flaws by which a trial may exceed those before; after `GRACE` steps, less by the factor e every `PATIENCE` steps. Giving up
-/// earlier saves a third of the time, and loses one in twenty of the trials that succeed.
-const LARGEST_LOSS: f64 = 1.0;
-const GRACE: usize = 3;
-const PATIENCE: f64 = 4.0;
-/// Splitting an edge shorter than this many wanted lengths makes triangles that are too small.
-const SHORTEST_SPLIT: f64 = 0.9;
-
 /// What a trial begins with. Edges are told by their ends: a split that is undone may leave them with other ids.
 #[derive(Clone, Copy, Debug)]
 enum Start {
@@ -39,22 +35,13 @@ enum Start {
     Split([VertexId; 2]),
 }
 
-/// What has been done in a trial, and is undone with.
-enum Done {
-    /// The vertex was there.
-    Move(VertexId, Vec3),
-    /// The edge, which had these ends.
-    Swap(EdgeId, [VertexId; 2]),
-    /// A vertex was put in an edge of the other.
-    Split(VertexId, VertexId),
-}
-
-/// Operations that are kept together, or undone.
-struct Trial<'a> {
-    work: &'a mut Workpiece,
-    done: Vec<Done>,
-    /// Sum of the flaws done away with.
-    gain: f64,
+/// What follows.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Means {
+    /// The vertex with the worst angles goes where the smallest is largest; then the next.
+    Worst,
+    /// All vertices around, in turn, go where the strain is least.
+    Ease,
 }
 
 /// Triangles that were tried in vain, by their corners in order, with the places of all vertices around; only looked up.
@@ -63,8 +50,7 @@ type Failed = HashMap<[VertexId; 3], Vec<Vec3>>;
 impl Workpiece {
     /// Mends obtuse triangles, the worst first.
     pub fn make_acute(&mut self) {
-        let facets: Vec<FacetId> = self.brep.topology.facets().filter(|&f| self.is_treated(f)).collect();
-        let mut budget = TRIALS_PER_FACET * facets.len();
+        let mut budget = TRIALS_PER_FACET * self.is_treated.iter().filter(|&&t| t).count();
         let mut failed = Failed::new();
         for _ in 0..PASSES {
             let facets = self.brep.topology.facets().filter(|&f| self.is_treated(f) && self.is_obtuse(f));
@@ -74,7 +60,9 @@ impl Workpiece {
             worst.sort_by(|p, q| q.0.total_cmp(&p.0).then(p.1.cmp(&q.1)));
             let mut is_changed = false;
             for (_, corners) in worst {
-                is_changed |= self.make_triangle_acute(corners, &mut failed, &mut budget);
+                // Those before may have changed it.
+                let facet = self.triangle_of(corners).filter(|&f| self.is_treated(f) && self.is_obtuse(f));
+                is_changed |= facet.is_some_and(|f| self.make_triangle_acute(f, &mut failed, &mut budget));
             }
             if !is_changed {
                 break;
@@ -82,13 +70,45 @@ impl Workpiece {
         }
     }
 
-    /// Whether anything was done about a triangle.
-    fn make_triangle_acute(&mut self, corners: [VertexId; 3], failed: &mut Failed, budget: &mut usize) -> bool {
-        // Those before may have changed it.
-        let Some(facet) = self.triangle_of(corners).filter(|&f| self.is_treated(f) && self.is_obtuse(f)) else { return false };
-        let mut around: Vec<VertexId> = corners.iter().flat_map(|&v| self.brep.topology.neighbours(v)).collect();
+    /// Mends what is left at the end around some vertices: edges and triangles that any vertex near sees under 90 degrees or more,
+    /// however little; whether anything was done. What was tried in vain before is in `failed`, with the places of all vertices around.
+    pub fn clear_sights(&mut self, vertices: &[VertexId], failed: &mut HashMap<Sight, Vec<Vec3>>) -> bool {
+        let mut facets: Vec<FacetId> = vertices.iter().flat_map(|&v| self.star(v)).collect();
+        facets.sort_unstable();
+        facets.dedup();
+        let mut edges = self.edges_of(&facets);
+        edges.sort_unstable();
+        edges.dedup();
+        let seen_edges = edges.into_iter().filter_map(|e| self.sight_of_edge(e));
+        let sights: Vec<Sight> = seen_edges.chain(facets.into_iter().filter_map(|f| self.sight_of_facet(f))).collect();
+        let mut is_changed = false;
+        for sight in sights {
+            let around = self.places_around(&sight.vertices());
+            // Those before may have mended it.
+            if !self.is_sight(&sight) || failed.get(&sight) == Some(&around) {
+                continue;
+            }
+            let starts = [Start::Nothing, Start::Split(sight.base), Start::Swap(sight.base)];
+            if starts.into_iter().any(|start| self.attempt(start, Means::Ease, &sight.vertices(), Some(sight))) {
+                is_changed = true;
+            } else {
+                failed.insert(sight, around);
+            }
+        }
+        is_changed
+    }
+
+    /// Where the neighbours of some vertices are, in order.
+    fn places_around(&self, vertices: &[VertexId]) -> Vec<Vec3> {
+        let mut around: Vec<VertexId> = vertices.iter().flat_map(|&v| self.brep.topology.neighbours(v)).collect();
         around.sort_unstable();
-        let around: Vec<Vec3> = around.into_iter().map(|v| self.point(v)).collect();
+        around.into_iter().map(|v| self.point(v)).collect()
+    }
+
+    /// Whether anything was done about a triangle.
+    fn make_triangle_acute(&mut self, facet: FacetId, failed: &mut Failed, budget: &mut usize) -> bool {
+        let Some(corners) = self.corners(facet).map(in_order) else { return false };
+        let around = self.places_around(&corners);
         if failed.get(&corners) == Some(&around) {
             return false;
         }
@@ -97,7 +117,7 @@ impl Workpiece {
                 return false;
             }
             *budget -= 1;
-            if self.attempt(start, corners) {
+            if self.attempt(start, Means::Worst, &corners, None) {
                 return true;
             }
         }
@@ -126,15 +146,17 @@ impl Workpiece {
     }
 
     /// Tries one beginning; whether that helped, else all is as before.
-    fn attempt(&mut self, start: Start, corners: [VertexId; 3]) -> bool {
-        let mut trial = Trial { work: self, done: Vec::new(), gain: 0.0 };
+    fn attempt(&mut self, start: Start, means: Means, corners: &[VertexId], sight: Option<Sight>) -> bool {
+        let mut trial = Trial::new(self, sight);
         let begun = match start {
             Start::Nothing => Some(corners.to_vec()),
             Start::Swap([a, b]) => trial.work.brep.topology.edge_between(a, b).and_then(|e| trial.swap(e, true)),
             Start::Split([a, b]) => trial.work.brep.topology.edge_between(a, b).and_then(|e| trial.split(e)),
         };
-        if let Some(vertices) = begun {
-            trial.settle(vertices);
+        match (begun, means) {
+            (Some(vertices), Means::Worst) => trial.settle(vertices),
+            (Some(vertices), Means::Ease) => trial.ease(vertices),
+            (None, _) => {}
         }
         if trial.gain > LEAST_GAIN {
             return true;
@@ -154,118 +176,9 @@ impl Workpiece {
     }
 
     /// Sum of the flaws of those of some facets that are treated.
-    fn flaws(&self, facets: &[FacetId]) -> f64 {
+    pub fn flaws(&self, facets: &[FacetId]) -> f64 {
         let treated = facets.iter().filter(|&&f| self.brep.topology.has_facet(f) && self.is_treated(f));
-        treated.filter_map(|&f| self.corners(f)).map(|t| flaw(&self.points(t))).sum()
-    }
-}
-
-impl Trial<'_> {
-    /// Moves vertices, the one with the worst angles first, and swaps edges, as long as that raises angles; then those around.
-    fn settle(&mut self, vertices: Vec<VertexId>) {
-        let mut waiting = vertices;
-        for step in 0..STEPS {
-            let patience = (step.saturating_sub(GRACE) as f64) / PATIENCE;
-            if step >= GRACE && self.gain < -LARGEST_LOSS * libm::exp(-patience) {
-                return;
-            }
-            let sharpest = waiting.iter().map(|&v| self.work.sharpest_at(v)).enumerate();
-            let Some((next, worst)) = sharpest.max_by(|p, q| p.1.total_cmp(&q.1).then(q.0.cmp(&p.0))) else { return };
-            if worst <= of_flawed(self.work.obtuse) {
-                return;
-            }
-            let vertex = waiting.swap_remove(next);
-            if !self.relax(vertex) {
-                continue;
-            }
-            let mut around: Vec<VertexId> = self.work.brep.topology.neighbours(vertex).collect();
-            for edge in self.work.edges_of_star(vertex) {
-                if self.work.brep.topology.has_edge(edge) {
-                    around.extend(self.swap(edge, false).into_iter().flatten());
-                }
-            }
-            if self.is_undone() {
-                return;
-            }
-            around.retain(|v| !waiting.contains(v));
-            around.sort_unstable();
-            around.dedup();
-            waiting.extend(around);
-        }
-    }
-
-    /// Whether the swap that it began with has been taken back.
-    fn is_undone(&self) -> bool {
-        let Some(Done::Swap(edge, [a, b])) = self.done.first() else { return false };
-        self.work.brep.topology.edge_between(*a, *b) == Some(*edge)
-    }
-
-    /// Moves a vertex to the best place; whether it moved.
-    fn relax(&mut self, vertex: VertexId) -> bool {
-        let Some((to, _)) = self.work.ring(vertex).best_place() else { return false };
-        let star = self.work.star(vertex);
-        let before = self.work.flaws(&star);
-        self.done.push(Done::Move(vertex, self.work.point(vertex)));
-        self.work.relocate(vertex, to);
-        self.gain += before - self.work.flaws(&star);
-        true
-    }
-
-    /// Swaps an edge if it is legal, and good for the angles unless it is `forced`; gives the vertices around.
-    fn swap(&mut self, edge: EdgeId, is_forced: bool) -> Option<Vec<VertexId>> {
-        let plan = if is_forced { self.work.plan_any_swap(edge) } else { self.work.plan_swap(edge) };
-        let (plan, _) = plan.filter(|(_, effect)| if is_forced { effect.is_legal() } else { effect.is_better() })?;
-        if !self.is_regular(edge) {
-            return None;
-        }
-        let before = self.work.flaws(&plan.facets);
-        self.work.swap(&plan);
-        self.gain += before - self.work.flaws(&plan.facets);
-        self.done.push(Done::Swap(edge, plan.ends));
-        Some([plan.ends, plan.opposite].concat())
-    }
-
-    /// Splits an edge; gives the new vertex and those around.
-    fn split(&mut self, edge: EdgeId) -> Option<Vec<VertexId>> {
-        if self.work.relative_length(edge) < SHORTEST_SPLIT || !self.is_regular(edge) {
-            return None;
-        }
-        let (place, at) = self.work.site_of_split(edge)?;
-        let facets: Vec<FacetId> = self.work.brep.topology.facets_around(edge).collect();
-        let before = self.work.flaws(&facets);
-        let end = self.work.brep.topology.ends(edge)[0];
-        let vertex = self.work.split_at(edge, place, at)?.vertex?;
-        self.gain += before - self.work.flaws(&self.work.star(vertex));
-        self.done.push(Done::Split(vertex, end));
-        Some(std::iter::once(vertex).chain(self.work.brep.topology.neighbours(vertex)).collect())
-    }
-
-    /// Whether the triangles at an edge face the way their surface does, so that all pieces of them have the same sense, and
-    /// have it again when they are undone.
-    fn is_regular(&self, edge: EdgeId) -> bool {
-        let work = &self.work;
-        let mut facets = work.brep.topology.facets_around(edge).filter(|&f| work.is_treated(f));
-        facets.all(|f| !work.measure_facet(f).is_flipped)
-    }
-
-    /// Takes everything back, last first.
-    fn undo(self) {
-        for done in self.done.into_iter().rev() {
-            match done {
-                Done::Move(vertex, from) => self.work.relocate(vertex, from),
-                Done::Swap(edge, _) => {
-                    let plan = self.work.brep.plan_swap(edge);
-                    debug_assert!(plan.is_ok(), "a swap can be undone");
-                    plan.into_iter().for_each(|plan| _ = self.work.swap(&plan));
-                }
-                Done::Split(vertex, end) => {
-                    let edge = self.work.brep.topology.edge_between(vertex, end);
-                    let plan = edge.and_then(|e| self.work.brep.plan_collapse(e, vertex).ok());
-                    debug_assert!(plan.is_some(), "a split can be undone");
-                    plan.into_iter().for_each(|plan| _ = self.work.collapse(&plan));
-                }
-            }
-        }
+        treated.filter_map(|&f| self.corners(f)).map(|t| self.points(t)).map(|[a, b, c]| flaw([&a, &b, &c])).sum()
     }
 }
 
@@ -306,7 +219,7 @@ mod tests {
             let Some(corners) = work.corners(facet) else { continue };
             for start in work.starts(facet, corners) {
                 let before = triangles(&work);
-                if work.attempt(start, corners) {
+                if work.attempt(start, Means::Worst, &corners, None) {
                     kept += 1;
                     break;
                 }

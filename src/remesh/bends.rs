@@ -17,7 +17,6 @@ use super::straight::is_straight;
 use super::workpiece::{Measure, Place, Workpiece};
 use crate::brep::store::{EdgeId, FinId};
 use crate::geom::Vec3;
-use crate::geom::aabb::Aabb;
 use crate::ids::{FacetId, Id, SurfaceId, VertexId};
 use crate::patch::support::Support;
 use crate::round::PLANAR_ULPS;
@@ -103,27 +102,29 @@ struct Shift {
 }
 
 impl Workpiece {
-    /// Moves vertices until no two neighbouring facets are almost, but not quite, in one plane, as far as that is legal.
-    pub fn clear_bends(&mut self, limits: &Limits) {
-        let flat = COPLANAR * self.extent();
+    /// Moves vertices until no two facets that are neighbours at some edges are almost, but not quite, in one plane, as far as that
+    /// is legal.
+    pub fn clear_bends(&mut self, limits: &Limits, mut edges: Vec<EdgeId>) {
+        edges.sort_unstable();
+        edges.dedup();
+        let flat = COPLANAR * self.extent;
         let topology = &self.brep.topology;
         let mut normals = vec![Vec3::zeros(); topology.bounds()[2]];
         for facet in topology.facets() {
             normals[facet.index()] = self.normal(facet);
         }
         let mut bends = Bends { work: self, limits, normals, flat, is_forced: false };
-        bends.clear(1);
+        bends.clear(1, edges.clone());
         bends.is_forced = true;
-        bends.clear(MERGED_HARM);
+        bends.clear(MERGED_HARM, edges);
     }
 
     /// Makes polygons of neighbouring facets in one plane, but none with a corner that is straight but for rounding: TetGen 1.5
     /// dies of these; it merges the facets itself.
     pub fn merge_flat(&mut self) {
-        let flat = PLANAR_ULPS * f64::EPSILON * self.extent();
         for edge in self.active_edges() {
             let facets: Vec<FacetId> = self.brep.topology.facets_around(edge).collect();
-            if self.are_in_one_plane(&facets, flat)
+            if self.are_in_one_plane(&facets)
                 && !self.leaves_straight_corner(edge)
                 && let Some(merged) = self.brep.merge_facets(edge)
             {
@@ -132,14 +133,14 @@ impl Workpiece {
         }
     }
 
-    /// Whether all corners of some facets lie within half of `flat` of one plane: `gsm check` fits its plane by least squares,
-    /// from which one of them may be twice as far.
-    fn are_in_one_plane(&self, facets: &[FacetId], flat: f64) -> bool {
+    /// Whether all corners of some facets lie in one plane but for rounding, half of what `gsm check` allows: it fits its plane by
+    /// least squares, from which one of them may be twice as far.
+    pub fn are_in_one_plane(&self, facets: &[FacetId]) -> bool {
         let normal = facets.iter().map(|&f| self.area(f)).sum::<Vec3>().normalize();
         let fins = facets.iter().flat_map(|&f| self.brep.topology.fins_of_facet(f));
         let heights = fins.flat_map(|fin| self.brep.topology.fin_ends(fin)).map(|v| normal.dot(&self.point(v)));
         let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
-        high - low <= flat
+        high - low <= PLANAR_ULPS * f64::EPSILON * self.extent
     }
 
     /// Whether one of the facets at an edge goes straight on into the other at an end of the edge.
@@ -151,12 +152,6 @@ impl Workpiece {
             is_straight(&[from, at, to].map(|v| self.point(v)))
         };
         matches!(fins[..], [f, g] if goes_on(f, g) || goes_on(g, f))
-    }
-
-    /// Size of the model, or its distance from the origin if that is larger.
-    fn extent(&self) -> f64 {
-        let size = Aabb::around(self.brep.vertices.iter().map(|v| &v.point)).diagonal();
-        self.brep.vertices.iter().fold(size, |m, v| m.max(v.point.amax()))
     }
 
     /// Cosine of the widest angle of a triangle at an edge that is opposite to it.
@@ -232,9 +227,8 @@ impl Workpiece {
 }
 
 impl Bends<'_> {
-    /// Mends bends of at least some harm, those that the widest angles face first.
-    fn clear(&mut self, least: usize) {
-        let mut edges = self.work.active_edges();
+    /// Mends bends of at least some harm at some edges, those that the widest angles face first.
+    fn clear(&mut self, least: usize, mut edges: Vec<EdgeId>) {
         for _ in 0..PASSES {
             edges.retain(|&e| self.bend(e, None).is_weak() && self.harm(e, None) >= least);
             let mut order: Vec<(f64, EdgeId)> = edges.into_iter().map(|e| (self.work.widest_opposite(e), e)).collect();

@@ -19,7 +19,8 @@
 //!    the smallest angle around most.
 //! 7. Thin out: collapse what shape and deviation do not need; split what still deviates too far; polish.
 //! 8. Obtuse triangles that are left: trials that begin with a step back, kept if the angles gain (`acute`).
-//! 9. Neighbouring facets almost in one plane are brought into it, or turned clear of it, and become polygons (`bends`).
+//! 9. Neighbouring facets almost in one plane are brought into it, or turned clear of it, and become polygons (`bends`). Edges and
+//!    triangles with a vertex in their smallest sphere, which TetGen would split, are cleared of it (`sight`).
 //! 10. Planar facets get new triangulations, and an exact test proves that nothing meets anything (`verify`). Surfaces at fault
 //!     are remeshed again with half the deviation, then without their facets there, as where needles are left; if nothing
 //!     helps, the complex stays as evaluated.
@@ -61,9 +62,11 @@ mod quality;
 mod relocate;
 mod ring;
 mod schedule;
+mod sight;
 mod sizing;
 mod straight;
 mod strips;
+mod trial;
 mod verify;
 mod workpiece;
 
@@ -89,7 +92,7 @@ type Supports = IdVec<SurfaceId, Option<Arc<Support>>>;
 
 /// Attempts at most; each one gives up something where facets met in the one before. An import with many grazing cuts took
 /// eight, most of them broken off early.
-const ATTEMPTS: usize = 12;
+const ATTEMPTS: usize = 13;
 /// Share of the deviation bound of surfaces on which facets met.
 const CLOSER_SHARE: f64 = 0.5;
 
@@ -117,10 +120,11 @@ pub fn remesh(complex: Complex, options: &RemeshOptions, parts: &IdVec<PartId, P
     if !choice.is_chosen.contains(&true) {
         return Ok(evaluated);
     }
-    let mut retreat = Retreat { shares: vec![1.0; complex.surfaces.len()], choice, round: 0.0 };
+    let mut retreat =
+        Retreat { shares: vec![1.0; complex.surfaces.len()], choice, round: 0.0, is_cleared: options.mode == RemeshMode::Full };
     for left in (0..ATTEMPTS).rev() {
         let (mut work, limits) = retreat.begin(&complex, &supports, &gaps, options, parts)?;
-        let is_done = work.remesh(&limits);
+        let is_done = work.remesh(&limits, retreat.is_cleared);
         let mut faults = work.faults();
         // Half done, it has needles that would go.
         faults.retain(|f| is_done || f.is_contact);
@@ -146,6 +150,9 @@ struct Retreat {
     /// How far from the places facets are given up, in sizes of the place: each time twice as far, so that it comes to an end
     /// soon.
     round: f64,
+    /// Whether edges and triangles are cleared of vertices in their spheres: given up first, as all else stands without.
+    /// Not at interfaces only: there the strips that stay are split anyway.
+    is_cleared: bool,
 }
 
 impl Retreat {
@@ -182,6 +189,10 @@ impl Retreat {
     /// A surface whose facets meet others for the first time is to keep closer to its true shape, if that is known; after that,
     /// and where there are needles, its facets stay as they are. Whether anything was given up.
     fn give_up(&mut self, faults: &[Fault], complex: &Complex, supports: &Supports) -> bool {
+        if self.is_cleared && !faults.is_empty() {
+            self.is_cleared = false;
+            return true;
+        }
         let is_exact = |s: SurfaceId| supports[s].as_ref().is_some_and(|s| !s.is_fitted());
         let is_new = |f: &&Fault| f.is_contact && self.shares[f.surface.index()] == 1.0 && is_exact(f.surface);
         let (new, again): (Vec<&Fault>, Vec<&Fault>) = faults.iter().partition(is_new);
@@ -209,7 +220,9 @@ impl Retreat {
 impl Workpiece {
     fn new(complex: Complex, supports: Supports, shares: Vec<f64>, choice: Choice) -> Outcome<Self> {
         let size = Aabb::around(complex.vertices.iter().map(|v| &v.point)).diagonal();
+        let extent = complex.vertices.iter().fold(size, |m, v| m.max(v.point.amax()));
         Ok(Self {
+            extent,
             brep: Brep::from_complex(complex)?,
             supports,
             curves: IdVec::new(),
@@ -243,12 +256,15 @@ impl Workpiece {
     }
 
     /// False if it was broken off, because facets meet.
-    fn remesh(&mut self, limits: &Limits) -> bool {
+    fn remesh(&mut self, limits: &Limits, is_cleared: bool) -> bool {
         let is_done = self.run(limits);
         if is_done {
             // Before facets become polygons, which could not follow; and what slid back.
             self.clear_straight_corners();
-            self.clear_bends(limits);
+            self.clear_bends(limits, self.active_edges());
+            if is_cleared {
+                self.clear_spheres(limits);
+            }
             self.merge_flat();
             self.clear_straight_corners();
         }

@@ -19,6 +19,11 @@ const SMALL: f64 = 0.777;
 /// of a wide one, by their cosines: TetGen splits edges for wide ones only, but users look at small ones.
 const ANY_FLAW: f64 = 0.025;
 const SMALL_WEIGHT: f64 = 10.0;
+/// The same where strain is lessened, 86 and 42.3 degrees: with room, as what is just acute is encroached upon by the next vertex
+/// that TetGen puts there.
+const STRAINED: f64 = 0.07;
+const STRAINED_SMALL: f64 = 0.74;
+const STRAIN_OF_SMALL: f64 = 3.0;
 /// Cosine of the angle up to which one is right, not obtuse: halves of rectangles are fine (90.06 degrees).
 pub(super) const RIGHT: f64 = -1e-3;
 
@@ -47,12 +52,38 @@ pub fn of_flawed(obtuse: f64) -> f64 {
 }
 
 /// How far a triangle is from having no obtuse and no small angle; 0 if it has neither.
-pub fn flaw([a, b, c]: &[Vec3; 3]) -> f64 {
-    let [short, middle, long] = sorted_squares([a, b, c]);
-    let greatest = (short + middle - long) * 0.5 / (short * middle).sqrt();
-    let least = (middle + long - short) * 0.5 / (middle * long).sqrt();
-    let wide = if greatest < FLAWED { ANY_FLAW + FLAWED - greatest } else { 0.0 };
-    wide + SMALL_WEIGHT * (least - SMALL).max(0.0)
+pub fn flaw(corners: [&Vec3; 3]) -> f64 {
+    wide_flaw(greatest_cosine(corners)) + SMALL_WEIGHT * (least_cosine(corners) - SMALL).max(0.0)
+}
+
+/// The squares of the flaws of a triangle, from angles on that are less wide and less small, and without a step: vertices that
+/// are moved one after the other to lessen their sum do not get stuck where each has one flaw or the other.
+pub fn strain(corners: [&Vec3; 3]) -> f64 {
+    let small = STRAIN_OF_SMALL * (least_cosine(corners) - STRAINED_SMALL).max(0.0);
+    small * small + wide_strain(greatest_cosine(corners))
+}
+
+/// The part of it that the widest angle has, by its cosine.
+pub fn wide_strain(greatest: f64) -> f64 {
+    let wide = (STRAINED - greatest).max(0.0);
+    wide * wide
+}
+
+/// The part of the flaw that the widest angle has, by its cosine.
+pub fn wide_flaw(greatest: f64) -> f64 {
+    if greatest < FLAWED { ANY_FLAW + FLAWED - greatest } else { 0.0 }
+}
+
+/// Cosine of the widest angle of a triangle.
+fn greatest_cosine(corners: [&Vec3; 3]) -> f64 {
+    let [short, middle, long] = sorted_squares(corners);
+    if short == 0.0 { -1.0 } else { (short + middle - long) * 0.5 / (short * middle).sqrt() }
+}
+
+/// Cosine of the smallest angle of a triangle.
+fn least_cosine(corners: [&Vec3; 3]) -> f64 {
+    let [short, middle, long] = sorted_squares(corners);
+    if short == 0.0 { 1.0 } else { (middle + long - short) * 0.5 / (middle * long).sqrt() }
 }
 
 /// Whether an angle of a triangle is obtuse.

@@ -2,7 +2,7 @@
 
 use super::operators::Effect;
 use super::polygons::Change;
-use super::quality::{is_sharper, sharpest_cosine};
+use super::quality::{cosine_of_degrees, is_sharper, sharpest_cosine, strain};
 use super::workpiece::{Area, CurveId, Measure, Place, Workpiece};
 use crate::brep::store::EdgeId;
 use crate::geom::Vec3;
@@ -10,6 +10,9 @@ use crate::ids::{FacetId, VertexId};
 
 /// Shares of the shortest edge at a vertex: the first step of the search for its best place.
 const FIRST_STEP: f64 = 0.4;
+/// The first step of the search for the place of least strain; smallest angle, in degrees, that it may leave where it was larger.
+const FIRST_EASE: f64 = 0.1;
+const EASE_KEEPS: f64 = 40.0;
 /// And a step that tells where the smallest angle grows: less than the last one of the search.
 const LEAST_STEP: f64 = 0.005;
 /// Steps of the pattern search for the best place.
@@ -192,13 +195,49 @@ impl Ring<'_> {
         directions.iter().filter(|d| !self.is_sharper(&(here + *d * step), effect.after.cosine)).copied().collect()
     }
 
+    /// The place near the vertex where the triangles around, and what `more` says of a place, are strained least, by pattern
+    /// search like [`Self::best_place`]; `None` if nothing is better than here.
+    pub fn easiest_place(&self, more: impl Fn(&Vec3) -> f64) -> Option<Vec3> {
+        let strain = |to: &Vec3| more(to) + self.spokes.iter().map(|s| strain(s.around(to))).sum::<f64>();
+        let mut best = self.here;
+        let mut least = strain(&best);
+        if least == 0.0 {
+            return None;
+        }
+        let directions = self.work.directions(self.place, &self.here)?;
+        let excess = self.before.excess.max(1.0);
+        let floor = self.before.cosine.max(cosine_of_degrees(EASE_KEEPS));
+        let mut step = FIRST_EASE * self.shortest();
+        for _ in 0..SEARCH_STEPS {
+            // Shapes first, as there.
+            let near = directions.iter().map(|d| best + d * step).filter(|near| strain(near) < least);
+            let places = near.map(|near| self.work.home_of(self.place, &near));
+            let mut places: Vec<(f64, Vec3)> = places.map(|p| (strain(&p), p)).filter(|p| p.0 < least).collect();
+            places.sort_by(|p, q| p.0.total_cmp(&q.0));
+            let is_legal = |to: &Vec3| {
+                let cosine = self.sharpest(to);
+                cosine <= floor && self.plan_shaped(to, cosine, excess).is_some_and(|e| e.is_legal())
+            };
+            match places.into_iter().find(|(_, to)| is_legal(to)) {
+                Some(next) => (least, best) = next,
+                None => step *= 0.5,
+            }
+        }
+        (best != self.here).then_some(best)
+    }
+
+    /// Length of the shortest edge at the vertex.
+    fn shortest(&self) -> f64 {
+        let spans = self.spokes.iter().flat_map(|s| s.corners.iter().map(|p| (p - self.here).norm_squared()));
+        spans.filter(|&d| d > 0.0).fold(f64::INFINITY, f64::min).sqrt()
+    }
+
     /// The place near the vertex where the smallest angle around it is largest, by pattern search along its curve or in its
     /// tangent plane; `None` if nothing is better than here.
     pub fn best_place(&self) -> Option<(Vec3, Effect)> {
         let directions = self.work.directions(self.place, &self.here)?;
         let excess = self.before.excess.max(1.0);
-        let spans = self.spokes.iter().flat_map(|s| s.corners.iter().map(|p| (p - self.here).norm_squared()));
-        let shortest = spans.filter(|&d| d > 0.0).fold(f64::INFINITY, f64::min).sqrt();
+        let shortest = self.shortest();
         let mut step = FIRST_STEP * shortest;
         let mut best = (self.here, Effect { before: self.before, after: self.before });
         let mut promising = self.promising(&directions, shortest, &best);

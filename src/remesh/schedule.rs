@@ -7,8 +7,9 @@ use super::sizing::{Limits, NARROWEST};
 use super::workpiece::{Place, Workpiece};
 use crate::brep::local::Touched;
 use crate::brep::store::EdgeId;
+use crate::geom::Vec3;
 use crate::ids::{FacetId, Id, VertexId};
-use std::collections::BinaryHeap;
+use std::collections::{BinaryHeap, HashMap};
 
 /// Edges longer than this many wanted lengths are split, shorter than that collapsed. Their ratio is two, so that neither
 /// undoes the other.
@@ -55,6 +56,12 @@ const OBTUSE: [f64; 2] = [MOST_OBTUSE, 0.25];
 /// Share of the triangles that may meet others before they are polished. Where it was 2 % at most, later steps parted them in
 /// some scenes; from 10 % on in none.
 const PARTING: f64 = 0.05;
+
+/// How often at most, when all else is done, edges and triangles are cleared of vertices in their spheres.
+const LAST_ROUNDS: usize = 4;
+
+/// Rings of neighbours from which an edge or triangle is looked at.
+const SIGHT_RINGS: usize = 2;
 
 /// Operations per edge at most in one pass: passes end long before, this bounds them on any input.
 const BUDGET_PER_EDGE: usize = 20;
@@ -116,6 +123,42 @@ impl Workpiece {
         self.make_acute();
         self.weigh_obtuse(OBTUSE[1]);
         true
+    }
+
+    /// Clears edges and triangles of what is in their smallest spheres, and bends again.
+    pub fn clear_spheres(&mut self, limits: &Limits) {
+        let mut failed = HashMap::new();
+        let mut around = self.active_vertices();
+        for _ in 0..LAST_ROUNDS {
+            let before = self.places_of_all();
+            self.weigh_obtuse(OBTUSE[0]);
+            let is_changed = self.clear_sights(&around, &mut failed);
+            self.weigh_obtuse(OBTUSE[1]);
+            if !is_changed {
+                break;
+            }
+            let edges = self.moved_since(&before).into_iter().flat_map(|v| self.edges_of_star(v)).collect();
+            self.clear_bends(limits, edges);
+            around = self.moved_since(&before);
+            for _ in 0..SIGHT_RINGS {
+                let next: Vec<VertexId> = around.iter().flat_map(|&v| self.brep.topology.neighbours(v)).collect();
+                around.extend(next);
+                around.sort_unstable();
+                around.dedup();
+            }
+        }
+    }
+
+    /// Where all vertices are, by number.
+    fn places_of_all(&self) -> Vec<Vec3> {
+        let mut places = vec![Vec3::zeros(); self.brep.topology.bounds()[0]];
+        self.brep.topology.vertices().for_each(|v| places[v.index()] = self.point(v));
+        places
+    }
+
+    /// Vertices that are new or somewhere else.
+    fn moved_since(&self, before: &[Vec3]) -> Vec<VertexId> {
+        self.brep.topology.vertices().filter(|v| before.get(v.index()) != Some(&self.point(*v))).collect()
     }
 
     /// Whether facets meet and it is no use to go on: where surfaces are a guess, or at so many places that surfaces are nearer

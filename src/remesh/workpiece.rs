@@ -106,6 +106,8 @@ pub(super) struct Workpiece {
     pub bounds: Bounds,
     /// Of feature curves: the strictest of the surfaces around.
     pub curve_bounds: IdVec<CurveId, Bound>,
+    /// Size of the model, or its distance from the origin if that is larger.
+    pub extent: f64,
     /// How much obtuse triangles count as sharp ones.
     pub obtuse: f64,
     /// By facet: its measure if it has been taken since the facet last changed.

@@ -1,0 +1,136 @@
+//! What TetGen would split at once: an edge or a triangle in whose smallest sphere a vertex lies. From the vertex one sees it too
+//! wide; with room to spare, as what is just outside is inside of the sphere once a neighbour has been split.
+
+use super::quality::{wide_flaw, wide_strain};
+use super::workpiece::Workpiece;
+use crate::brep::store::EdgeId;
+use crate::geom::Vec3;
+use crate::ids::{FacetId, VertexId};
+
+/// An edge or triangle, and the vertex that lies deepest in its smallest sphere.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub(super) struct Sight {
+    eye: VertexId,
+    pub base: [VertexId; 2],
+    apex: Option<VertexId>,
+}
+
+impl Sight {
+    /// All vertices that have a share in it.
+    pub fn vertices(&self) -> Vec<VertexId> {
+        [Some(self.eye), Some(self.base[0]), Some(self.base[1]), self.apex].into_iter().flatten().collect()
+    }
+
+    /// The angle's cosine: negative inside of the sphere; `place` tells where a vertex is.
+    fn cosine(&self, place: impl Fn(VertexId) -> Vec3) -> f64 {
+        let (eye, [a, b]) = (place(self.eye), self.base.map(&place));
+        match self.apex {
+            None => cosine_of_edge(&eye, &a, &b),
+            Some(c) => cosine_of_triangle(&eye, [&a, &b, &place(c)]),
+        }
+    }
+
+    /// How bad that is, as the flaw of an angle.
+    pub fn flaw(&self, place: impl Fn(VertexId) -> Vec3) -> f64 {
+        wide_flaw(self.cosine(place))
+    }
+
+    /// The same as a square, without a step.
+    pub fn strain(&self, place: impl Fn(VertexId) -> Vec3) -> f64 {
+        wide_strain(self.cosine(place))
+    }
+}
+
+/// Cosine of the angle under which an edge is seen.
+fn cosine_of_edge(eye: &Vec3, a: &Vec3, b: &Vec3) -> f64 {
+    let (s, t) = (a - eye, b - eye);
+    s.dot(&t) / (s.norm() * t.norm()).max(f64::MIN_POSITIVE)
+}
+
+/// Cosine of the angle under which one sees that diameter of a triangle's circumcircle which the eye is farthest from: what the
+/// eye and the circle have in common is a sphere's section, and this is its power over the product of both distances.
+fn cosine_of_triangle(eye: &Vec3, [a, b, c]: [&Vec3; 3]) -> f64 {
+    let (u, v) = (b - a, c - a);
+    let normal = u.cross(&v);
+    let square = normal.norm_squared();
+    if square == 0.0 {
+        return 1.0;
+    }
+    let center = a + (v.cross(&normal) * u.norm_squared() + normal.cross(&u) * v.norm_squared()) / (2.0 * square);
+    let from = eye - center;
+    let radius = (a - center).norm_squared();
+    let distance = from.norm_squared();
+    (distance - radius) / (distance + radius)
+}
+
+impl Workpiece {
+    /// The worst sight of an edge, if one is too wide. Facets that lie in one plane have no edge between them for TetGen.
+    pub fn sight_of_edge(&self, edge: EdgeId) -> Option<Sight> {
+        let facets: Vec<FacetId> = self.brep.topology.facets_around(edge).collect();
+        if !facets.iter().all(|&f| self.is_worth(f)) {
+            return None;
+        }
+        if facets.len() == 2 && self.are_in_one_plane(&facets) {
+            return None;
+        }
+        let base = self.brep.topology.ends(edge);
+        self.worst_sight(base, None)
+    }
+
+    /// Whether it is worth the time to clear a facet: strips that stay are split anyway, and neighbouring patches of a fitted
+    /// surface do not fit together well.
+    fn is_worth(&self, facet: FacetId) -> bool {
+        self.support(facet).is_none_or(|s| self.is_treated(facet) && !s.is_fitted())
+    }
+
+    /// The worst sight of a treated triangle with acute angles, if one is too wide; others are seen too wide by their corners.
+    pub fn sight_of_facet(&self, facet: FacetId) -> Option<Sight> {
+        let [a, b, c] = self.corners(facet)?;
+        self.support(facet).filter(|_| self.is_worth(facet))?;
+        self.worst_sight([a, b], Some(c))
+    }
+
+    /// Whether it is there, and the worst of its edge or triangle.
+    pub fn is_sight(&self, sight: &Sight) -> bool {
+        let [a, b] = sight.base;
+        let topology = &self.brep.topology;
+        let Some(edge) = topology.edge_between(a, b).filter(|&e| self.is_active(e)) else { return false };
+        let now = match sight.apex {
+            None => self.sight_of_edge(edge),
+            Some(c) => {
+                let mut facets = topology.facets_around(edge).filter(|&f| self.is_treated(f));
+                facets.find(|&f| self.corners(f).is_some_and(|t| t.contains(&c))).and_then(|f| self.sight_of_facet(f))
+            }
+        };
+        now.as_ref() == Some(sight)
+    }
+
+    fn worst_sight(&self, base: [VertexId; 2], apex: Option<VertexId>) -> Option<Sight> {
+        let topology = &self.brep.topology;
+        let own: Vec<VertexId> = base.into_iter().chain(apex).collect();
+        // Some come more than once, which costs less than to find them out.
+        let near = own.iter().flat_map(|&v| topology.neighbours(v)).flat_map(|v| topology.neighbours(v));
+        let sights = near.filter(|v| !own.contains(v)).map(|eye| Sight { eye, base, apex });
+        let sights = sights.map(|s| (s.cosine(|v| self.point(v)), s));
+        let (cosine, worst) = sights.min_by(|p, q| p.0.total_cmp(&q.0).then(p.1.eye.cmp(&q.1.eye)))?;
+        (cosine < 0.0).then_some(worst)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spheres_are_where_they_are() {
+        let (a, b, c) = (Vec3::x(), -Vec3::x(), Vec3::y());
+        for (eye, is_in) in
+            [(Vec3::new(0.0, 0.0, 0.99), true), (Vec3::new(0.0, 0.0, 1.01), false), (Vec3::new(-0.9, 0.5, 0.0), false)]
+        {
+            assert_eq!(cosine_of_edge(&eye, &a, &b) < 0.0, is_in);
+            assert_eq!(cosine_of_triangle(&eye, [&a, &b, &c]) < 0.0, is_in);
+        }
+        assert!(cosine_of_triangle(&Vec3::zeros(), [&a, &b, &c]) == -1.0);
+        assert_eq!(cosine_of_triangle(&Vec3::z(), [&a, &a, &c]), 1.0);
+    }
+}
