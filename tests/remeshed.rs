@@ -217,7 +217,7 @@ fn above_bound(name: &str, deviation: f64) -> u64 {
     report["tets"]["above_bound"].as_u64().unwrap_or_else(|| panic!("{name}: {report}"))
 }
 
-/// A vertex in the smallest sphere of an edge makes TetGen split it and many around: with nine such edges on three_cylinders, five
+/// A vertex in the smallest sphere of an edge makes TetGen split it and many around: with nine such edges on three_cylinders, three
 /// on union_two_differences and nine, with three triangles, on cylinders_union_difference 15, 5 and 24 tetrahedra stayed above.
 #[test]
 fn nothing_is_in_the_spheres_of_edges_and_triangles() {

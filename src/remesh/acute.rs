@@ -11,7 +11,7 @@
 //! move in turn where the sum of squared flaws is least. Nine such edges left on three_cylinders made 15
 //! tetrahedra above ratio 2.0; without them there is none.
 
-use super::quality::{flaw, is_obtuse};
+use super::quality::{flaw, is_obtuse, is_small};
 use super::sight::Sight;
 use super::trial::Trial;
 use super::workpiece::Workpiece;
@@ -153,12 +153,15 @@ impl Workpiece {
             Start::Swap([a, b]) => trial.work.brep.topology.edge_between(a, b).and_then(|e| trial.swap(e, true)),
             Start::Split([a, b]) => trial.work.brep.topology.edge_between(a, b).and_then(|e| trial.split(e)),
         };
+        let around = begun.clone().unwrap_or_default();
         match (begun, means) {
             (Some(vertices), Means::Worst) => trial.settle(vertices),
             (Some(vertices), Means::Ease) => trial.ease(vertices),
             (None, _) => {}
         }
-        if trial.gain > LEAST_GAIN {
+        // Moves that ease leave no small angle, but a swap or split before them may.
+        let is_narrow = means == Means::Ease && !matches!(start, Start::Nothing) && trial.work.has_small_angle(&around);
+        if trial.gain > LEAST_GAIN && !is_narrow {
             return true;
         }
         trial.undo();
@@ -173,6 +176,12 @@ impl Workpiece {
 
     fn is_obtuse(&self, facet: FacetId) -> bool {
         self.corners(facet).is_some_and(|t| is_obtuse(&self.points(t)))
+    }
+
+    /// Whether a treated facet at some vertices has a small angle.
+    fn has_small_angle(&self, vertices: &[VertexId]) -> bool {
+        let facets = vertices.iter().flat_map(|&v| self.star(v));
+        facets.filter_map(|f| self.corners(f)).map(|t| self.points(t)).any(|[a, b, c]| is_small([&a, &b, &c]))
     }
 
     /// Sum of the flaws of those of some facets that are treated.

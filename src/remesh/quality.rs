@@ -86,6 +86,11 @@ fn least_cosine(corners: [&Vec3; 3]) -> f64 {
     if short == 0.0 { 1.0 } else { (middle + long - short) * 0.5 / (middle * long).sqrt() }
 }
 
+/// Whether an angle of a triangle is so small that it is a flaw.
+pub fn is_small(corners: [&Vec3; 3]) -> bool {
+    least_cosine(corners) > SMALL
+}
+
 /// Whether an angle of a triangle is obtuse.
 pub fn is_obtuse([a, b, c]: &[Vec3; 3]) -> bool {
     let [short, middle, long] = sorted_squares([a, b, c]);
