@@ -226,3 +226,21 @@ fn nothing_is_in_the_spheres_of_edges_and_triangles() {
     assert!(above_bound("union_two_differences", 1.64) <= 2);
     assert!(above_bound("cylinders_union_difference", 1.3) <= 5);
 }
+
+/// A winding with the outline of a core, straight where the core is round: between them lie slivers of air. One was turned inside
+/// out as both its sides went to their true surfaces; nothing met, but no point was inside of it: exit code 70.
+#[test]
+fn no_sliver_between_surfaces_is_turned_inside_out() {
+    let scene = r#"Scene(units: "mm", triangulated: true, parts: [
+        Part(name: "core", solid:
+            Revolve(profile: RoundedRectangle(min: (20, -8), max: (30, 8), radius: 2), angle: 330, start: 15)),
+        Part(name: "winding", solid: Rotate(axis: Z, angle: 30, solid: Translate(by: (25, 0, 0), solid:
+            Rotate(axis: X, angle: 90, solid: Extrude(
+                profile: RoundedRectangle(size: (14, 20), center: (0, 0), radius: 4),
+                holes: [RoundedRectangle(size: (10, 16), center: (0, 0), radius: 2)], height: 3, base: (0, 0, -1.5)))))),
+    ])"#;
+    for mode in ["interfaces", "full"] {
+        let (_, _, count) = shape("slivers", mode, scene);
+        assert!(count > 100, "{mode}: {count}");
+    }
+}

@@ -1,4 +1,4 @@
-//! The last word on a remeshed model: planar facets triangulated again, and an exact test that nothing meets anything.
+//! The last word on a remeshed model: planar facets triangulated again, and an exact test that nothing meets anything or is turned inside out.
 //!
 //! Operators look at the triangles around them and at the polygons beside, not at surfaces across a gap. So the whole is proved
 //! at the end, and where it fails the surfaces involved are remeshed closer to their true shape, or not at all there.
@@ -23,7 +23,7 @@ pub(super) struct Fault {
     pub surface: SurfaceId,
     /// The box of one of its facets there.
     pub place: Aabb,
-    /// Whether facets meet there; else the facet is a needle.
+    /// Whether facets meet there or are turned inside out; else the facet is a needle.
     pub is_contact: bool,
 }
 
@@ -35,7 +35,7 @@ impl Workpiece {
             corners = self.colliding();
         }
         let topology = &self.brep.topology;
-        let mut meeting: Vec<FacetId> = corners.into_iter().flat_map(|v| topology.facets_at(v)).collect();
+        let mut meeting: Vec<FacetId> = corners.into_iter().flat_map(|v| topology.facets_at(v)).chain(self.turned()).collect();
         meeting.sort_unstable();
         meeting.dedup();
         let fault = |f: FacetId, is_contact| {
@@ -45,6 +45,14 @@ impl Workpiece {
         let meeting = meeting.into_iter().filter(|&f| self.is_treated(f)).filter_map(|f| fault(f, true));
         let needles = topology.facets().filter(|&f| self.is_treated(f) && self.is_poor(f)).filter_map(|f| fault(f, false));
         meeting.chain(needles).collect()
+    }
+
+    /// Facets around regions and voids that are turned inside out: two surfaces that nearly coincide have passed each other as a
+    /// whole, and nothing meets.
+    fn turned(&self) -> Vec<FacetId> {
+        let topology = &self.brep.topology;
+        let shells = topology.shells().filter(|&s| (self.brep.shell_volume6(s) > 0.0) != topology.is_outer(s));
+        shells.flat_map(|s| topology.face_uses(s)).map(|face_use| face_use.facet()).collect()
     }
 
     fn is_poor(&self, facet: FacetId) -> bool {
