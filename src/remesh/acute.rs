@@ -8,8 +8,8 @@
 //! seen in the test below). Cost: a bounded number of trials per facet, each of bounded length.
 //!
 //! At the very end every edge and triangle in whose smallest sphere any vertex lies (`sight`) is tried: all vertices of a place
-//! move in turn where the sum of squared flaws is least. Nine such edges left on three_cylinders made 15
-//! tetrahedra above ratio 2.0; without them there is none.
+//! move in turn where the sum of squared flaws is least. Nine such edges left on three_cylinders made 15 tetrahedra above ratio
+//! 2.0; without them there is none.
 
 use super::quality::{flaw, is_obtuse, is_small};
 use super::sight::Sight;
@@ -26,6 +26,7 @@ const PASSES: usize = 3;
 const TRIALS_PER_FACET: usize = 2;
 /// Least gain for which a trial is kept: a quarter of the flaw of a right angle.
 const LEAST_GAIN: f64 = 0.01;
+
 /// What a trial begins with. Edges are told by their ends: a split that is undone may leave them with other ids.
 #[derive(Clone, Copy, Debug)]
 enum Start {
@@ -35,7 +36,7 @@ enum Start {
     Split([VertexId; 2]),
 }
 
-/// What follows.
+/// What follows the beginning.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Means {
     /// The vertex with the worst angles goes where the smallest is largest; then the next.
@@ -70,8 +71,9 @@ impl Workpiece {
         }
     }
 
-    /// Mends what is left at the end around some vertices: edges and triangles that any vertex near sees under 90 degrees or more,
-    /// however little; whether anything was done. What was tried in vain before is in `failed`, with the places of all vertices around.
+    /// Mends what is left at the end around some vertices: edges and triangles that any vertex near sees under 90 degrees or
+    /// more, however little; whether anything was done. What was tried in vain before is in `failed`, with the places of all
+    /// vertices around.
     pub fn clear_sights(&mut self, vertices: &[VertexId], failed: &mut HashMap<Sight, Vec<Vec3>>) -> bool {
         let mut facets: Vec<FacetId> = vertices.iter().flat_map(|&v| self.star(v)).collect();
         facets.sort_unstable();

@@ -102,8 +102,8 @@ struct Shift {
 }
 
 impl Workpiece {
-    /// Moves vertices until no two facets that are neighbours at some edges are almost, but not quite, in one plane, as far as that
-    /// is legal.
+    /// Moves vertices until no two facets that are neighbours at some edges are almost, but not quite, in one plane, as far as
+    /// that is legal.
     pub fn clear_bends(&mut self, limits: &Limits, mut edges: Vec<EdgeId>) {
         edges.sort_unstable();
         edges.dedup();
@@ -133,8 +133,8 @@ impl Workpiece {
         }
     }
 
-    /// Whether all corners of some facets lie in one plane but for rounding, half of what `gsm check` allows: it fits its plane by
-    /// least squares, from which one of them may be twice as far.
+    /// Whether all corners of some facets lie in one plane but for rounding, half of what `gsm check` allows: it fits its plane
+    /// by least squares, from which one of them may be twice as far.
     pub fn are_in_one_plane(&self, facets: &[FacetId]) -> bool {
         let normal = facets.iter().map(|&f| self.area(f)).sum::<Vec3>().normalize();
         let fins = facets.iter().flat_map(|&f| self.brep.topology.fins_of_facet(f));

@@ -19,10 +19,12 @@ const SMALL: f64 = 0.777;
 /// of a wide one, by their cosines: TetGen splits edges for wide ones only, but users look at small ones.
 const ANY_FLAW: f64 = 0.025;
 const SMALL_WEIGHT: f64 = 10.0;
-/// The same where strain is lessened, 86 and 42.3 degrees: with room, as what is just acute is encroached upon by the next vertex
-/// that TetGen puts there.
+/// The same where strain is lessened, 86 and 42.3 degrees: with room, as what is just acute is encroached upon by the next
+/// vertex that TetGen puts there.
 const STRAINED: f64 = 0.07;
 const STRAINED_SMALL: f64 = 0.74;
+/// Weight of a small angle against a wide one there: with ten as for flaws, one wide angle stayed on
+/// cylinders_union_difference.
 const STRAIN_OF_SMALL: f64 = 3.0;
 /// Cosine of the angle up to which one is right, not obtuse: halves of rectangles are fine (90.06 degrees).
 pub(super) const RIGHT: f64 = -1e-3;
@@ -53,14 +55,16 @@ pub fn of_flawed(obtuse: f64) -> f64 {
 
 /// How far a triangle is from having no obtuse and no small angle; 0 if it has neither.
 pub fn flaw(corners: [&Vec3; 3]) -> f64 {
-    wide_flaw(greatest_cosine(corners)) + SMALL_WEIGHT * (least_cosine(corners) - SMALL).max(0.0)
+    let [smallest, widest] = extreme_cosines(corners);
+    wide_flaw(widest) + SMALL_WEIGHT * (smallest - SMALL).max(0.0)
 }
 
 /// The squares of the flaws of a triangle, from angles on that are less wide and less small, and without a step: vertices that
 /// are moved one after the other to lessen their sum do not get stuck where each has one flaw or the other.
 pub fn strain(corners: [&Vec3; 3]) -> f64 {
-    let small = STRAIN_OF_SMALL * (least_cosine(corners) - STRAINED_SMALL).max(0.0);
-    small * small + wide_strain(greatest_cosine(corners))
+    let [smallest, widest] = extreme_cosines(corners);
+    let small = STRAIN_OF_SMALL * (smallest - STRAINED_SMALL).max(0.0);
+    small * small + wide_strain(widest)
 }
 
 /// The part of it that the widest angle has, by its cosine.
@@ -74,21 +78,18 @@ pub fn wide_flaw(greatest: f64) -> f64 {
     if greatest < FLAWED { ANY_FLAW + FLAWED - greatest } else { 0.0 }
 }
 
-/// Cosine of the widest angle of a triangle.
-fn greatest_cosine(corners: [&Vec3; 3]) -> f64 {
+/// Cosines of the smallest and the widest angle of a triangle.
+fn extreme_cosines(corners: [&Vec3; 3]) -> [f64; 2] {
     let [short, middle, long] = sorted_squares(corners);
-    if short == 0.0 { -1.0 } else { (short + middle - long) * 0.5 / (short * middle).sqrt() }
-}
-
-/// Cosine of the smallest angle of a triangle.
-fn least_cosine(corners: [&Vec3; 3]) -> f64 {
-    let [short, middle, long] = sorted_squares(corners);
-    if short == 0.0 { 1.0 } else { (middle + long - short) * 0.5 / (middle * long).sqrt() }
+    if short == 0.0 {
+        return [1.0, -1.0];
+    }
+    [(middle + long - short) * 0.5 / (middle * long).sqrt(), (short + middle - long) * 0.5 / (short * middle).sqrt()]
 }
 
 /// Whether an angle of a triangle is so small that it is a flaw.
 pub fn is_small(corners: [&Vec3; 3]) -> bool {
-    least_cosine(corners) > SMALL
+    extreme_cosines(corners)[0] > SMALL
 }
 
 /// Whether an angle of a triangle is obtuse.

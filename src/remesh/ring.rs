@@ -10,7 +10,8 @@ use crate::ids::{FacetId, VertexId};
 
 /// Shares of the shortest edge at a vertex: the first step of the search for its best place.
 const FIRST_STEP: f64 = 0.4;
-/// The first step of the search for the place of least strain; smallest angle, in degrees, that it may leave where it was larger.
+/// The first step of the search for the place of least strain; smallest angle, in degrees, that it may leave where it was
+/// larger.
 const FIRST_EASE: f64 = 0.1;
 const EASE_KEEPS: f64 = 40.0;
 /// And a step that tells where the smallest angle grows: less than the last one of the search.

@@ -1,5 +1,5 @@
-//! What TetGen would split at once: an edge or a triangle in whose smallest sphere a vertex lies. From the vertex one sees it too
-//! wide; with room to spare, as what is just outside is inside of the sphere once a neighbour has been split.
+//! What TetGen would split at once: an edge or a triangle in whose smallest sphere a vertex lies. From the vertex one sees it
+//! too wide; with room to spare, as what is just outside is inside of the sphere once a neighbour has been split.
 
 use super::quality::{wide_flaw, wide_strain};
 use super::workpiece::Workpiece;
@@ -47,8 +47,8 @@ fn cosine_of_edge(eye: &Vec3, a: &Vec3, b: &Vec3) -> f64 {
     s.dot(&t) / (s.norm() * t.norm()).max(f64::MIN_POSITIVE)
 }
 
-/// Cosine of the angle under which one sees that diameter of a triangle's circumcircle which the eye is farthest from: what the
-/// eye and the circle have in common is a sphere's section, and this is its power over the product of both distances.
+/// Cosine of the angle under which one sees, of the sphere about a triangle's circumcircle, the diameter across the line of
+/// sight.
 fn cosine_of_triangle(eye: &Vec3, [a, b, c]: [&Vec3; 3]) -> f64 {
     let (u, v) = (b - a, c - a);
     let normal = u.cross(&v);
@@ -58,8 +58,7 @@ fn cosine_of_triangle(eye: &Vec3, [a, b, c]: [&Vec3; 3]) -> f64 {
     }
     let center = a + (v.cross(&normal) * u.norm_squared() + normal.cross(&u) * v.norm_squared()) / (2.0 * square);
     let from = eye - center;
-    let radius = (a - center).norm_squared();
-    let distance = from.norm_squared();
+    let (distance, radius) = (from.norm_squared(), (a - center).norm_squared());
     (distance - radius) / (distance + radius)
 }
 
@@ -90,7 +89,7 @@ impl Workpiece {
         self.worst_sight([a, b], Some(c))
     }
 
-    /// Whether it is there, and the worst of its edge or triangle.
+    /// Whether a sight is still there, and the worst of its edge or triangle.
     pub fn is_sight(&self, sight: &Sight) -> bool {
         let [a, b] = sight.base;
         let topology = &self.brep.topology;

@@ -39,7 +39,8 @@ pub(super) struct Trial<'a> {
     done: Vec<Done>,
     /// Sum of the flaws done away with.
     pub gain: f64,
-    /// Something that a vertex of other facets sees too wide, which is a flaw, too.
+    /// An edge or triangle that a vertex sees too wide, which is a flaw, too; after a split, what the edge was: its halves are
+    /// not to be seen together.
     sight: Option<Sight>,
 }
 
