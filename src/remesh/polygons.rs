@@ -111,22 +111,45 @@ impl Path {
             (Some(m), None) | (None, Some(m)) => vec![[a, m, b]],
             (None, None) => Vec::new(),
         };
+        let near = Rectangle::around([Some(a), Some(b), old, self.new].into_iter().flatten());
+        let is_mine = |v: VertexId| Some(v) == self.old || self.ends.contains(&v);
         for walk in walks {
-            for (k, &p) in walk.iter().enumerate() {
-                let q = walk[(k + 1) % walk.len()];
-                let is_mine = |v: VertexId| Some(v) == self.old || self.ends.contains(&v);
-                if !is_mine(p) && swept.iter().any(|t| is_inside(t, flat(p))) {
+            let Some(&last) = walk.last() else { continue };
+            let mut from = (last, flat(last));
+            for &q in walk {
+                let (p, at) = std::mem::replace(&mut from, (q, flat(q)));
+                // Most are nowhere near.
+                if !near.meets([at, from.1]) {
+                    continue;
+                }
+                if !is_mine(p) && swept.iter().any(|t| is_inside(t, at)) {
                     return false;
                 }
                 // Edges of the piece itself go away.
                 let goes = Some(p) == self.old || Some(q) == self.old || (self.old.is_none() && is_mine(p) && is_mine(q));
-                if !goes && p != q && segments.iter().any(|s| touch(*s, [flat(p), flat(q)])) {
+                if !goes && p != q && segments.iter().any(|s| touch(*s, [at, from.1])) {
                     return false;
                 }
             }
         }
         // The two new edges must not fold onto each other.
         self.new.is_none_or(|m| orient2d(a, m, b) != 0 || is_between(a, m, b))
+    }
+}
+
+/// Least and largest coordinates.
+struct Rectangle([Point; 2]);
+
+impl Rectangle {
+    fn around(points: impl Iterator<Item = Point>) -> Self {
+        let empty = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+        Self(points.fold(empty, |[low, high], p| [[0, 1].map(|k| low[k].min(p[k])), [0, 1].map(|k| high[k].max(p[k]))]))
+    }
+
+    /// Whether the closed one around a segment has a point in common with it.
+    fn meets(&self, [p, q]: [Point; 2]) -> bool {
+        let Self([low, high]) = self;
+        (0..2).all(|k| p[k].max(q[k]) >= low[k] && p[k].min(q[k]) <= high[k])
     }
 }
 

@@ -23,10 +23,14 @@ impl Sight {
 
     /// The angle's cosine: negative inside of the sphere; `place` tells where a vertex is.
     fn cosine(&self, place: impl Fn(VertexId) -> Vec3) -> f64 {
-        let (eye, [a, b]) = (place(self.eye), self.base.map(&place));
+        self.sphere(&place).cosine(&place(self.eye))
+    }
+
+    fn sphere(&self, place: impl Fn(VertexId) -> Vec3) -> Sphere {
+        let [a, b] = self.base.map(&place);
         match self.apex {
-            None => cosine_of_edge(&eye, &a, &b),
-            Some(c) => cosine_of_triangle(&eye, [&a, &b, &place(c)]),
+            None => Sphere::Edge([a, b]),
+            Some(c) => Sphere::about_triangle([&a, &b, &place(c)]),
         }
     }
 
@@ -41,25 +45,47 @@ impl Sight {
     }
 }
 
-/// Cosine of the angle under which an edge is seen.
-fn cosine_of_edge(eye: &Vec3, a: &Vec3, b: &Vec3) -> f64 {
-    let (s, t) = (a - eye, b - eye);
-    s.dot(&t) / (s.norm() * t.norm()).max(f64::MIN_POSITIVE)
+/// The smallest sphere of an edge or triangle.
+enum Sphere {
+    Edge([Vec3; 2]),
+    /// Centre of the circumcircle and square of its radius; `None` if the triangle is degenerate.
+    Triangle(Option<(Vec3, f64)>),
 }
 
-/// Cosine of the angle under which one sees, of the sphere about a triangle's circumcircle, the diameter across the line of
-/// sight.
-fn cosine_of_triangle(eye: &Vec3, [a, b, c]: [&Vec3; 3]) -> f64 {
-    let (u, v) = (b - a, c - a);
-    let normal = u.cross(&v);
-    let square = normal.norm_squared();
-    if square == 0.0 {
-        return 1.0;
+impl Sphere {
+    fn about_triangle([a, b, c]: [&Vec3; 3]) -> Self {
+        let (u, v) = (b - a, c - a);
+        let normal = u.cross(&v);
+        let square = normal.norm_squared();
+        if square == 0.0 {
+            return Self::Triangle(None);
+        }
+        let center = a + (v.cross(&normal) * u.norm_squared() + normal.cross(&u) * v.norm_squared()) / (2.0 * square);
+        Self::Triangle(Some((center, (a - center).norm_squared())))
     }
-    let center = a + (v.cross(&normal) * u.norm_squared() + normal.cross(&u) * v.norm_squared()) / (2.0 * square);
-    let from = eye - center;
-    let (distance, radius) = (from.norm_squared(), (a - center).norm_squared());
-    (distance - radius) / (distance + radius)
+
+    /// Whether [`Self::cosine`] is negative, which costs less.
+    fn contains(&self, eye: &Vec3) -> bool {
+        match self {
+            Self::Edge([a, b]) => (a - eye).dot(&(b - eye)) < 0.0,
+            Self::Triangle(sphere) => sphere.is_some_and(|(center, square)| (eye - center).norm_squared() < square),
+        }
+    }
+
+    /// Cosine of the angle under which an edge is seen; of a triangle, the diameter of its sphere across the line of sight.
+    fn cosine(&self, eye: &Vec3) -> f64 {
+        match self {
+            Self::Edge([a, b]) => {
+                let (s, t) = (a - eye, b - eye);
+                s.dot(&t) / (s.norm() * t.norm()).max(f64::MIN_POSITIVE)
+            }
+            Self::Triangle(None) => 1.0,
+            Self::Triangle(Some((center, square))) => {
+                let distance = (eye - center).norm_squared();
+                (distance - square) / (distance + square)
+            }
+        }
+    }
 }
 
 impl Workpiece {
@@ -106,13 +132,14 @@ impl Workpiece {
 
     fn worst_sight(&self, base: [VertexId; 2], apex: Option<VertexId>) -> Option<Sight> {
         let topology = &self.brep.topology;
-        let own: Vec<VertexId> = base.into_iter().chain(apex).collect();
+        let own = || base.into_iter().chain(apex);
+        let sphere = Sight { eye: base[0], base, apex }.sphere(|v| self.point(v));
         // Some come more than once, which costs less than to find them out.
-        let near = own.iter().flat_map(|&v| topology.neighbours(v)).flat_map(|v| topology.neighbours(v));
-        let sights = near.filter(|v| !own.contains(v)).map(|eye| Sight { eye, base, apex });
-        let sights = sights.map(|s| (s.cosine(|v| self.point(v)), s));
-        let (cosine, worst) = sights.min_by(|p, q| p.0.total_cmp(&q.0).then(p.1.eye.cmp(&q.1.eye)))?;
-        (cosine < 0.0).then_some(worst)
+        let near = own().flat_map(|v| topology.neighbours(v)).flat_map(|v| topology.neighbours(v));
+        let inside = near.filter(|&v| sphere.contains(&self.point(v)) && own().all(|o| o != v));
+        let cosines = inside.map(|eye| (sphere.cosine(&self.point(eye)), eye));
+        let (_, eye) = cosines.min_by(|p, q| p.0.total_cmp(&q.0).then(p.1.cmp(&q.1)))?;
+        Some(Sight { eye, base, apex })
     }
 }
 
@@ -126,10 +153,12 @@ mod tests {
         for (eye, is_in) in
             [(Vec3::new(0.0, 0.0, 0.99), true), (Vec3::new(0.0, 0.0, 1.01), false), (Vec3::new(-0.9, 0.5, 0.0), false)]
         {
-            assert_eq!(cosine_of_edge(&eye, &a, &b) < 0.0, is_in);
-            assert_eq!(cosine_of_triangle(&eye, [&a, &b, &c]) < 0.0, is_in);
+            for sphere in [Sphere::Edge([a, b]), Sphere::about_triangle([&a, &b, &c])] {
+                assert_eq!([sphere.contains(&eye), sphere.cosine(&eye) < 0.0], [is_in; 2]);
+            }
         }
-        assert!(cosine_of_triangle(&Vec3::zeros(), [&a, &b, &c]) == -1.0);
-        assert_eq!(cosine_of_triangle(&Vec3::z(), [&a, &a, &c]), 1.0);
+        assert_eq!(Sphere::about_triangle([&a, &b, &c]).cosine(&Vec3::zeros()), -1.0);
+        let flat = Sphere::about_triangle([&a, &a, &c]);
+        assert!(!flat.contains(&Vec3::z()) && flat.cosine(&Vec3::z()) == 1.0);
     }
 }
