@@ -65,6 +65,10 @@ impl Mesh {
     pub fn tet_points(&self, t: &Tet) -> [Vec3; 4] {
         t.corners.map(|v| self.nodes[v])
     }
+    /// The name of a region.
+    pub fn region_name(&self, region: RegionNumber) -> String {
+        self.regions.get(&region).cloned().unwrap_or_else(|| format!("region{region}"))
+    }
     /// The box around all nodes.
     pub fn bounds(&self) -> Aabb {
         Aabb::around(self.nodes.iter())

@@ -3,6 +3,7 @@
 pub mod diagnostics;
 pub mod distribution;
 pub mod lanczos;
+pub mod poor;
 pub mod quality;
 pub mod sharp;
 pub mod stiffness;

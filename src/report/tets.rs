@@ -5,7 +5,7 @@ use crate::geom::Vec3;
 use serde::Serialize;
 
 /// A ratio counts as above the bound only beyond rounding.
-const ROUNDING: f64 = 1e-9;
+pub(super) const ROUNDING: f64 = 1e-9;
 
 /// Statistics of tetrahedra; angles in degrees.
 #[derive(Clone, PartialEq, Debug, Serialize)]

@@ -1,5 +1,6 @@
 //! All that is reported of a volume mesh, and the thresholds it may have to meet.
 
+use super::poor::{PoorTet, poor_tets};
 use super::stiffness::{Stiffness, stiffness};
 use super::tets::TetQuality;
 use super::triangles::TriangleStatistics;
@@ -9,6 +10,9 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
 
+/// Tetrahedra above the ratio that the terminal shows.
+const SHOWN: usize = 10;
+
 /// Statistics of a volume mesh.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct VolumeReport {
@@ -16,6 +20,8 @@ pub struct VolumeReport {
     pub nodes: u64,
     /// The tetrahedra.
     pub tets: TetQuality,
+    /// Those above the ratio with their place, worst first, 1000 at most.
+    pub poor: Vec<PoorTet>,
     /// The triangles of interfaces and boundaries.
     pub triangles: TriangleStatistics,
     /// The stiffness matrix, if asked for and if any node is free.
@@ -29,13 +35,13 @@ impl VolumeReport {
     /// computed on demand.
     pub fn new(mesh: &Mesh, ratio_bound: f64, with_stiffness: bool) -> Self {
         let triangles: Vec<_> = mesh.triangles.iter().filter(|t| t.marker != 0).map(|t| mesh.triangle_points(t)).collect();
-        let name = |r: u32| mesh.regions.get(&r).cloned().unwrap_or_else(|| format!("region{r}"));
         Self {
             nodes: mesh.nodes.len() as u64,
             tets: TetQuality::new(mesh.tets.iter().map(|t| mesh.tet_points(t)), ratio_bound),
+            poor: poor_tets(mesh, ratio_bound),
             triangles: TriangleStatistics::new(&triangles),
             stiffness: if with_stiffness { stiffness(mesh) } else { None },
-            volumes: mesh.volumes().into_iter().map(|(r, v)| (name(r), v)).collect(),
+            volumes: mesh.volumes().into_iter().map(|(r, v)| (mesh.region_name(r), v)).collect(),
         }
     }
 
@@ -65,7 +71,17 @@ impl fmt::Display for VolumeReport {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let (tets, triangles) = (&self.tets, &self.triangles);
         writeln!(f, "{} nodes, {} tetrahedra, {} triangles", self.nodes, tets.tets, triangles.triangles)?;
-        writeln!(f, "{} tetrahedra above radius-edge ratio {}", tets.above_bound, tets.ratio_bound)?;
+        write!(f, "{} tetrahedra above radius-edge ratio {}", tets.above_bound, tets.ratio_bound)?;
+        match self.poor.iter().filter(|p| p.forced.is_some()).count() {
+            0 => writeln!(f)?,
+            forced => writeln!(f, ", {forced} of them forced by the model")?,
+        }
+        for poor in self.poor.iter().take(SHOWN) {
+            writeln!(f, "  {poor}")?;
+        }
+        if self.poor.len() > SHOWN {
+            writeln!(f, "  .. (all with --json)")?;
+        }
         writeln!(f, "\nTetrahedra")?;
         for d in [&tets.radius_edge, &tets.aspect, &tets.min_dihedral, &tets.max_dihedral] {
             write!(f, "{d}")?;
