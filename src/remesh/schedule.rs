@@ -40,6 +40,8 @@ const LEAST_SPLIT: f64 = 0.5;
 /// Wanted length over that of the chords of a curve which stay. The chord's relative length, 0.8, is in the middle of what is
 /// neither split nor collapsed.
 const PER_CHORD: f64 = 1.25;
+/// How often the ends of the halves of a chord are moved to the middle of their neighbours; then little is left to be gained.
+const EVEN_STEPS: usize = 4;
 /// Least drop of such a deviation for which an edge is swapped.
 const LEAST_DROP: f64 = 0.05;
 
@@ -202,16 +204,31 @@ impl Workpiece {
     /// around would be divided without end.
     fn fit_sizes_to_chords(&mut self) {
         for v in self.active_vertices() {
-            if !matches!(self.place(v), Place::Curve(_)) {
-                continue;
-            }
-            let chords = self.brep.topology.edges_at(v).filter(|&e| self.brep.is_feature(e)).map(|e| self.length(e));
-            if let Some(longest) = chords.reduce(f64::max) {
+            if let (Place::Curve(_), Some(chord)) = (self.place(v), self.chord_near(v)) {
                 let size = self.sizes[v.index()];
-                self.sizes[v.index()] = size.min((PER_CHORD * longest).max(NARROWEST * size));
+                self.sizes[v.index()] = size.min((PER_CHORD * chord).max(NARROWEST * size));
             }
         }
         self.grade_sizes();
+    }
+
+    /// Length of the chords about a vertex of a curve: of its longer one, or the mean with the next ones on both sides if that is
+    /// more. Halves of a chord among whole ones would keep their size for themselves, and two triangles beside the vertex
+    /// between them one right angle each.
+    fn chord_near(&self, vertex: VertexId) -> Option<f64> {
+        let own: Vec<EdgeId> = self.chords_at(vertex).collect();
+        let ends = own.iter().map(|&e| self.brep.topology.other_end(e, vertex));
+        let next = ends.filter(|&v| matches!(self.place(v), Place::Curve(_))).flat_map(|v| self.chords_at(v));
+        let mut all: Vec<EdgeId> = own.iter().copied().chain(next).collect();
+        all.sort_unstable();
+        all.dedup();
+        let longest = own.iter().map(|&e| self.length(e)).reduce(f64::max)?;
+        Some(longest.max(all.iter().map(|&e| self.length(e)).sum::<f64>() / all.len() as f64))
+    }
+
+    /// The feature edges at a vertex.
+    fn chords_at(&self, vertex: VertexId) -> impl Iterator<Item = EdgeId> + '_ {
+        self.brep.topology.edges_at(vertex).filter(|&e| self.brep.is_feature(e))
     }
 
     /// All edges of some facets.
@@ -402,11 +419,23 @@ impl Workpiece {
                 && self.relative_length(edge) > LEAST_SPLIT
                 && (self.edge_excess(edge) > 1.0 + EXCESS_ROUNDING || self.is_longest_of_deviating(edge));
             if let Some(touched) = deviates.then(|| self.split(edge)).flatten() {
+                touched.vertex.into_iter().for_each(|v| self.even_out(v));
                 self.swap_around(&touched);
                 count += 1;
             }
         }
         count
+    }
+
+    /// Makes the chords about a new vertex of a curve about as long as their neighbours are.
+    fn even_out(&mut self, vertex: VertexId) {
+        if !matches!(self.place(vertex), Place::Curve(_)) {
+            return;
+        }
+        let ends: Vec<VertexId> = self.chords_at(vertex).map(|e| self.brep.topology.other_end(e, vertex)).collect();
+        for v in (0..EVEN_STEPS).flat_map(|_| ends.iter().copied().chain([vertex])) {
+            self.relocate_towards(v, Aim::Middle);
+        }
     }
 
     /// Whether a triangle of which this is the longest edge is further from its surface than allowed.
