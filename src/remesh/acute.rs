@@ -71,10 +71,8 @@ impl Workpiece {
         }
     }
 
-    /// Mends what is left at the end around some vertices: edges and triangles that any vertex near sees under 90 degrees or
-    /// more, however little; whether anything was done. What was tried in vain before is in `failed`, with the places of all
-    /// vertices around.
-    pub fn clear_sights(&mut self, vertices: &[VertexId], failed: &mut HashMap<Sight, Vec<Vec3>>) -> bool {
+    /// The edges and triangles around some vertices that any vertex near sees under 90 degrees or more, however little.
+    pub fn sights_around(&self, vertices: &[VertexId]) -> Vec<Sight> {
         let mut facets: Vec<FacetId> = vertices.iter().flat_map(|&v| self.star(v)).collect();
         facets.sort_unstable();
         facets.dedup();
@@ -82,7 +80,12 @@ impl Workpiece {
         edges.sort_unstable();
         edges.dedup();
         let seen_edges = edges.into_iter().filter_map(|e| self.sight_of_edge(e));
-        let sights: Vec<Sight> = seen_edges.chain(facets.into_iter().filter_map(|f| self.sight_of_facet(f))).collect();
+        seen_edges.chain(facets.into_iter().filter_map(|f| self.sight_of_facet(f))).collect()
+    }
+
+    /// Mends what is seen too wide at the end; whether anything was done. What was tried in vain before is in `failed`, with the
+    /// places of all vertices around.
+    pub fn clear_sights(&mut self, sights: Vec<Sight>, failed: &mut HashMap<Sight, Vec<Vec3>>) -> bool {
         let mut is_changed = false;
         for sight in sights {
             let around = self.places_around(&sight.vertices());

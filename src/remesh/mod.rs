@@ -120,16 +120,20 @@ pub fn remesh(complex: Complex, options: &RemeshOptions, parts: &IdVec<PartId, P
     if !choice.is_chosen.contains(&true) {
         return Ok(evaluated);
     }
-    let mut retreat =
-        Retreat { shares: vec![1.0; complex.surfaces.len()], choice, round: 0.0, is_cleared: options.mode == RemeshMode::Full };
+    let mut retreat = Retreat { shares: vec![1.0; complex.surfaces.len()], choice, round: 0.0 };
     for left in (0..ATTEMPTS).rev() {
         let (mut work, limits) = retreat.begin(&complex, &supports, &gaps, options, parts)?;
-        let is_done = work.remesh(&limits, retreat.is_cleared);
-        let mut faults = work.faults();
+        let is_done = work.remesh(&limits);
+        let mut plain = work.clone();
+        if is_done {
+            plain.make_polygons();
+        }
+        let mut faults = plain.faults();
         // Half done, it has needles that would go.
         faults.retain(|f| is_done || f.is_contact);
         let is_last = !retreat.give_up(&faults, &complex, &supports) || left == 0;
         if is_last && faults.iter().all(|f| !f.is_contact) {
+            let work = work.cleared(&limits, faults.len()).unwrap_or(plain);
             let mut done = work.brep.to_complex();
             straight::cut_unsound(&mut done, &evaluated);
             creases::restore(&mut done, &original, count);
@@ -150,9 +154,6 @@ struct Retreat {
     /// How far from the places facets are given up, in sizes of the place: each time twice as far, so that it comes to an end
     /// soon.
     round: f64,
-    /// Whether edges and triangles are cleared of vertices in their spheres: given up first, as all else stands without.
-    /// Not at interfaces only: there the strips that stay are split anyway.
-    is_cleared: bool,
 }
 
 impl Retreat {
@@ -189,10 +190,6 @@ impl Retreat {
     /// A surface whose facets meet others for the first time is to keep closer to its true shape, if that is known; after that,
     /// and where there are needles, its facets stay as they are. Whether anything was given up.
     fn give_up(&mut self, faults: &[Fault], complex: &Complex, supports: &Supports) -> bool {
-        if self.is_cleared && !faults.is_empty() {
-            self.is_cleared = false;
-            return true;
-        }
         let is_exact = |s: SurfaceId| supports[s].as_ref().is_some_and(|s| !s.is_fitted());
         let is_new = |f: &&Fault| f.is_contact && self.shares[f.surface.index()] == 1.0 && is_exact(f.surface);
         let (new, again): (Vec<&Fault>, Vec<&Fault>) = faults.iter().partition(is_new);
@@ -256,19 +253,29 @@ impl Workpiece {
     }
 
     /// False if it was broken off, because facets meet.
-    fn remesh(&mut self, limits: &Limits, is_cleared: bool) -> bool {
+    fn remesh(&mut self, limits: &Limits) -> bool {
         let is_done = self.run(limits);
         if is_done {
-            // Before facets become polygons, which could not follow; and what slid back.
+            // Before facets become polygons, which could not follow.
             self.clear_straight_corners();
             self.clear_bends(limits, self.active_edges());
-            if is_cleared {
-                self.clear_spheres(limits);
-            }
-            self.merge_flat();
-            self.clear_straight_corners();
         }
         is_done
+    }
+
+    /// The same with edges and triangles cleared of vertices in their spheres, if nothing meets anything for that and no more
+    /// than `needles` are left: all else stands without.
+    fn cleared(mut self, limits: &Limits, needles: usize) -> Option<Self> {
+        self.clear_spheres(limits);
+        self.make_polygons();
+        let faults = self.faults();
+        (faults.len() <= needles && !faults.iter().any(|f| f.is_contact)).then_some(self)
+    }
+
+    /// Makes polygons of facets in one plane, and mends what slid back.
+    fn make_polygons(&mut self) {
+        self.merge_flat();
+        self.clear_straight_corners();
     }
 
     /// The facets to be remeshed.

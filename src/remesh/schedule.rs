@@ -62,6 +62,11 @@ const PARTING: f64 = 0.05;
 /// How often at most, when all else is done, edges and triangles are cleared of vertices in their spheres.
 const LAST_ROUNDS: usize = 4;
 
+/// How many of those may be left for another round, as a share of those before, or in all: where surfaces nearly touch, moves
+/// help one at the cost of the next.
+const WORTHWHILE: f64 = 0.9;
+const FEW: f64 = 30.0;
+
 /// Rings of neighbours from which an edge or triangle is looked at.
 const SIGHT_RINGS: usize = 2;
 
@@ -131,10 +136,16 @@ impl Workpiece {
     pub fn clear_spheres(&mut self, limits: &Limits) {
         let mut failed = HashMap::new();
         let mut around = self.active_vertices();
+        let mut most = f64::INFINITY;
         for _ in 0..LAST_ROUNDS {
+            let sights = self.sights_around(&around);
+            if sights.len() as f64 > most {
+                break;
+            }
+            most = FEW.max(WORTHWHILE * sights.len() as f64);
             let before = self.places_of_all();
             self.weigh_obtuse(OBTUSE[0]);
-            let is_changed = self.clear_sights(&around, &mut failed);
+            let is_changed = self.clear_sights(sights, &mut failed);
             self.weigh_obtuse(OBTUSE[1]);
             if !is_changed {
                 break;

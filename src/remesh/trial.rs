@@ -18,10 +18,10 @@ const PATIENCE: f64 = 4.0;
 const SHORTEST_SPLIT: f64 = 0.9;
 
 /// Rings around an edge in which strain is lessened, and how often all vertices there are looked at.
-const EASED_RINGS: usize = 1;
+const EASED_RINGS: usize = 2;
 const SWEEPS: usize = 12;
 /// Sweeps after which something has to be gained.
-const HOPEFUL: usize = 5;
+const HOPEFUL: usize = 1;
 
 /// What has been done in a trial, and is undone with.
 enum Done {
@@ -104,17 +104,27 @@ impl<'a> Trial<'a> {
             around.sort_unstable();
             around.dedup();
         }
+        // Where nothing around has moved since, a vertex stays.
+        let mut is_waiting = vec![true; around.len()];
         for sweep in 0..SWEEPS {
-            let mut is_moved = false;
-            for &vertex in &around {
+            for k in 0..around.len() {
+                if !std::mem::take(&mut is_waiting[k]) {
+                    continue;
+                }
+                let vertex = around[k];
                 let sight = self.sight.filter(|s| s.vertices().contains(&vertex));
                 let place = |to: &Vec3, v: VertexId| if v == vertex { *to } else { self.work.point(v) };
                 let more = |to: &Vec3| sight.map_or(0.0, |s| s.strain(|v| place(to, v)));
-                let to = self.work.ring(vertex).easiest_place(more);
-                is_moved |= to.is_some();
-                to.into_iter().for_each(|to| self.relocate(vertex, to));
+                let Some(to) = self.work.ring(vertex).easiest_place(more) else { continue };
+                self.relocate(vertex, to);
+                is_waiting[k] = true;
+                let seen = sight.map_or(Vec::new(), |s| s.vertices());
+                for v in self.work.brep.topology.neighbours(vertex).chain(seen) {
+                    around.binary_search(&v).into_iter().for_each(|n| is_waiting[n] = true);
+                }
             }
-            if !is_moved || sweep >= HOPEFUL && self.gain <= 0.0 {
+            let is_done = !is_waiting.contains(&true);
+            if is_done || sweep >= HOPEFUL && self.gain <= 0.0 {
                 return;
             }
         }

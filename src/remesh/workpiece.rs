@@ -89,6 +89,7 @@ impl Area<'_> {
 }
 
 /// The model under work.
+#[derive(Clone)]
 pub(super) struct Workpiece {
     pub brep: Brep,
     pub supports: IdVec<SurfaceId, Option<Arc<Support>>>,
