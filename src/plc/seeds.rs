@@ -69,23 +69,20 @@ fn seed_of(region: RegionId, triangles: Vec<(u32, bool)>, all: &Sides, caster: &
         by_size.select_nth_unstable(few);
     }
     let (largest, others) = by_size.split_at_mut(few);
-    let mut best: Option<(f64, Vec3)> = None;
-    let mut look_from = |t: u32, in_front: bool| {
+    // The way through the region from a triangle, if it is longer than the best one so far, and its middle.
+    let longer = |best: Option<(f64, Vec3)>, &(_, t, in_front): &(_, u32, bool)| {
         let inwards = normal(t).normalize() * if in_front { 1.0 } else { -1.0 };
         let [a, b, c] = caster.corners(t);
         let center = (a + b + c) / 3.0;
-        if let Some(way) = caster.distance_to_next(&center, &inwards, t, best.map_or(0.0, |b| b.0)) {
-            let point = center + inwards * (0.5 * way);
-            if is_inside(region, &point, all, caster) {
-                best = Some((way, point));
-            }
-        }
-        best.is_some()
+        let way = caster.distance_to_next(&center, &inwards, t, best.map_or(0.0, |b| b.0))?;
+        let point = center + inwards * (0.5 * way);
+        is_inside(region, &point, all, caster).then_some((way, point))
     };
     largest.sort_unstable();
-    if !largest.iter().fold(false, |_, &(_, t, in_front)| look_from(t, in_front)) {
+    let mut best = largest.iter().fold(None, |best, triangle| longer(best, triangle).or(best));
+    if best.is_none() {
         others.sort_unstable();
-        others.iter().any(|&(_, t, in_front)| look_from(t, in_front));
+        best = others.iter().find_map(|triangle| longer(None, triangle));
     }
     best.map(|b| b.1)
 }
