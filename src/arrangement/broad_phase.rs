@@ -96,18 +96,22 @@ impl Facets {
         self.first[facet as usize]..self.first[facet as usize + 1]
     }
 
-    /// Calls `visit` with the triangles of two facets whose boxes overlap, unless all are of one sheet.
+    /// Calls `visit` with the triangles of two facets whose boxes overlap, unless all are of one sheet or the one of the
+    /// smaller facet rests on the sheet of the larger.
     fn visit(&self, [f, g]: [u32; 2], mut visit: impl FnMut(&Item, &Item)) {
         if self.sheets[f as usize].is_some() && self.sheets[f as usize] == self.sheets[g as usize] {
             return;
         }
         let (few, many) = if self.of(f).len() <= self.of(g).len() { (f, g) } else { (g, f) };
-        let (tree, first) = (self.trees.get(&many), self.of(many).start);
-        for i in self.of(few) {
-            let mut meet = |j: usize| visit(&self.items[i], &self.items[j]);
+        let (tree, first, boxes) = (self.trees.get(&many), self.of(many).start, &self.boxes[self.of(many)]);
+        // If those of the larger facet are of one sheet, what rests on one of them rests on all.
+        let sheet = self.sheets[many as usize].map(|_| &self.items[first]);
+        for i in self.of(few).filter(|&i| !sheet.is_some_and(|sheet| self.items[i].rests_on(sheet))) {
+            let own = &self.boxes[i];
+            let mut meet = |k: usize| visit(&self.items[i], &self.items[first + k]);
             match tree {
-                Some(tree) => tree.overlapping(&self.boxes[i], |k| meet(first + k as usize)),
-                None => self.of(many).filter(|&j| self.boxes[i].overlaps(&self.boxes[j])).for_each(meet),
+                Some(tree) => tree.overlapping(own, |k| meet(k as usize)),
+                None => boxes.iter().enumerate().filter(|(_, its)| own.overlaps(its)).for_each(|(k, _)| meet(k)),
             }
         }
     }

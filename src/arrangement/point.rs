@@ -186,6 +186,9 @@ impl<'a> Points<'a> {
             return Cow::Owned(self.integers().place(&Source::Explicit(p)));
         }
         let point = &self.implicit[p as usize - self.explicit.len()];
+        if point.place.error == 0.0 {
+            return Cow::Owned(self.exact_at(&point.place.at));
+        }
         Cow::Borrowed(point.exact.get_or_init(|| Box::new(self.integers().place(&point.source))))
     }
 
@@ -249,6 +252,9 @@ impl<'a> Points<'a> {
                         let p = next;
                         next = self.previous[p as usize];
                         if self.may_be(p, &place) {
+                            if place.error == 0.0 && self.rounded(p).1 == 0.0 {
+                                return p;
+                            }
                             let mine = exact.get_or_insert_with(|| self.integers().place(&source));
                             if is_same(mine, &self.exact(p)) {
                                 return p;
@@ -280,8 +286,42 @@ impl<'a> Points<'a> {
         [0, 1, 2].map(|k| (p[k] / self.cell + GRID_OFFSET[k]).floor() as i64)
     }
 
+    /// Where the point of a source is if each coordinate is that of a line or plane which is level there, as all are of boxes:
+    /// nothing need be computed, and nothing is rounded.
+    fn level_place(&self, source: &Source) -> Option<Vec3> {
+        let mut known = [None; 3];
+        let mut level = |vertices: &[u32], axes: &[u8]| {
+            for &k in axes {
+                let mut heights = vertices.iter().map(|&v| self.explicit[v as usize][usize::from(k)]);
+                let first = heights.next();
+                if heights.all(|height| Some(height) == first) {
+                    known[usize::from(k)] = first;
+                }
+            }
+        };
+        match source {
+            Source::LinePlane { line, plane } => {
+                level(line, &[0, 1, 2]);
+                level(plane, &[0, 1, 2]);
+            }
+            Source::LineLine { line, other, projection } => {
+                level(line, &[0, 1, 2]);
+                // The point lies on the other line as far as the projection tells.
+                level(other, &[projection.u, projection.v]);
+            }
+            Source::ThreePlanes(planes) => planes.iter().for_each(|plane| level(plane, &[0, 1, 2])),
+            Source::Explicit(_) | Source::Middle(_) => return None,
+        }
+        let [Some(x), Some(y), Some(z)] = known else { return None };
+        // Minus zero is zero, as it is where something is computed.
+        Some(Vec3::new(x, y, z).add_scalar(0.0))
+    }
+
     /// Rounded place of a source, with a bound of its error.
     pub fn round(&self, source: &Source) -> Place {
+        if let Some(at) = self.level_place(source) {
+            return Place::exactly(at);
+        }
         let place = match source {
             Source::Explicit(v) => return Place::exactly(self.explicit[*v as usize]),
             Source::LinePlane { line, plane } => {
@@ -472,6 +512,38 @@ mod tests {
             let rounded = exact::to_f64(&exact, k, points.exponent);
             assert!((rounded - points.at(x)[k]).abs() <= points.place(x).error);
         }
+    }
+
+    #[test]
+    fn points_of_level_lines_and_planes_are_exact() {
+        let v = |x: f64, y: f64, z: f64| Vec3::new(x, y, z);
+        // A line along z at (0.1, 0.7), one along x at y = 0.7, planes x = 0.1, y = 0.7, z = -0, and one that is oblique.
+        let explicit = [
+            v(0.1, 0.7, -1.0),
+            v(0.1, 0.7, 0.3),
+            v(-3.0, 0.7, -0.0),
+            v(2.0, 0.7, -0.0),
+            v(0.1, 5.0, 1.0),
+            v(0.1, -2.0, 7.0),
+            v(9.0, 0.7, 2.0),
+            v(0.0, 0.0, -0.0),
+            v(1.0, 0.0, -0.0),
+            v(0.0, 1.0, -0.0),
+            v(0.4, 0.3, 0.0),
+            v(0.6, 3.0, 1.0),
+        ];
+        let mut points = Points::new(&explicit);
+        let x = points.intern(Source::LinePlane { line: [0, 1], plane: [7, 8, 9] });
+        assert_eq!((points.place(x), points.at(x).z.to_bits()), (Place::exactly(v(0.1, 0.7, 0.0)), 0));
+        assert_eq!(points.intern(Source::ThreePlanes([[0, 4, 5], [2, 1, 6], [7, 8, 9]])), x);
+        let projection = Projection { u: 0, v: 2 };
+        assert_eq!(points.intern(Source::LineLine { line: [0, 1], other: [2, 3], projection }), x);
+        // The same place where it has to be computed, and a point on the oblique plane beside it.
+        assert_eq!(points.intern(Source::ThreePlanes([[0, 1, 10], [2, 1, 6], [7, 8, 9]])), x);
+        let y = points.intern(Source::LinePlane { line: [0, 1], plane: [7, 8, 11] });
+        assert!(y != x && points.place(y).error > 0.0);
+        let computed = points.exact_of(&Source::ThreePlanes([[0, 1, 10], [2, 1, 6], [7, 8, 9]]));
+        assert!(is_same(&points.exact(x), &computed));
     }
 
     #[test]

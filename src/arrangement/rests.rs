@@ -32,7 +32,8 @@ impl Item {
         self.rests_on(other) || other.rests_on(self)
     }
 
-    fn rests_on(&self, other: &Self) -> bool {
+    /// The same since this one rests on the sheet of the other.
+    pub fn rests_on(&self, other: &Self) -> bool {
         let k = usize::from(other.level);
         k < 3 && (self.rests[2 * k] == other.sheet || self.rests[2 * k + 1] == other.sheet)
     }

@@ -62,6 +62,15 @@ impl ComplexFacet {
     }
 }
 
+impl Complex {
+    /// The corners of all triangles, facet by facet.
+    pub fn triangles(&self) -> Vec<[u32; 3]> {
+        let mut triangles = Vec::with_capacity(self.facets.iter().map(|f| f.triangles.len()).sum());
+        triangles.extend(self.facets.iter().flat_map(|f| f.triangles.iter().map(|t| t.map(|v| v.0))));
+        triangles
+    }
+}
+
 /// A connected volume.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Region {

@@ -102,7 +102,7 @@ impl<'a> Rays<'a> {
     fn is_inside(&self, from: &Origin, leaf: u32) -> Result<bool, Diagnostic> {
         for attempt in 0..TRIES {
             let target = self.far_point(attempt);
-            let segment = Segment::new(&from.near, &target);
+            let segment = Segment::new(&from.near, &target, &self.leaves.bounds());
             let mut crossings = Some(0u32);
             self.along(leaf, &segment, |t| {
                 crossings = crossings.and_then(|n| Some(n + u32::from(self.crosses(from, &target, t)?)));

@@ -38,6 +38,8 @@ pub fn run(args: &BuildArgs, session: &mut Session) -> io::Result<Exit> {
             session.out.write_all(text::render(&report).as_bytes())?;
         }
     }
+    // The process ends: giving its memory back list by list would take as long as a small stage.
+    std::mem::forget(model);
     Ok(Exit::Good)
 }
 

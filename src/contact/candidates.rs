@@ -1,19 +1,71 @@
 //! Pairs of facets of different leaves that come near each other.
+//!
+//! Boxes tell, but the box of a cap with a bore holds all that lies in the bore: with facets of many corners, the boxes of others
+//! are compared as they are seen along an axis, too.
 
 use super::body::Body;
+use super::figure::Figure;
+use super::outline::sides;
+use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
-use crate::geom::bvh::Bvh;
+use crate::geom::bvh::{Bvh, Item};
+use crate::geom::hash::IndexMap;
+use crate::geom::predicates::Projection;
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 
 /// Facets below which everything stays on one thread: starting others costs more than a hundred microseconds.
 pub(super) const PARALLEL_FROM: usize = 2000;
 
-/// Box trees of the facets as they came, of every leaf that comes near another.
+/// Corners from which on a facet has many.
+const MANY_CORNERS: usize = 12;
+
+/// Facets as they came, of those that come near the box of another leaf.
 #[derive(Clone, Debug, Default)]
 pub struct FacetTrees {
     leaf_boxes: Vec<Aabb>,
-    trees: Vec<Bvh>,
+    leaves: Vec<Facets>,
+}
+
+/// Those of one leaf.
+#[derive(Clone, Debug, Default)]
+struct Facets {
+    tree: Bvh,
+    /// Those with many corners as they are seen along an axis.
+    figures: IndexMap<u32, (Projection, Figure)>,
+}
+
+impl Facets {
+    fn new(body: &Body, leaf: u32, around: &Aabb) -> Self {
+        let first = body.first_facet[leaf as usize];
+        let facets = first..body.first_facet[leaf as usize + 1];
+        let bounds = |f: u32| {
+            let own = body.bounds(f);
+            // What is set aside is nowhere.
+            if around.overlaps(&own) && !body.fate(f).is_aside() { own } else { Aabb::EMPTY }
+        };
+        let has_many = |&f: &u32| body.own_loops(f).corners().take(MANY_CORNERS).count() == MANY_CORNERS;
+        let figures = facets.clone().filter(has_many).filter_map(|f| Some((f - first, figure(body, f)?))).collect();
+        Self { tree: Bvh::new(facets.map(bounds).collect()), figures }
+    }
+
+    /// Whether a box may come nearer than `margin` to a facet along every axis.
+    fn may_meet(&self, facet: u32, bounds: &Aabb, margin: f64) -> bool {
+        !self.figures.get(&facet).is_some_and(|(projection, figure)| {
+            let near = bounds.inflated(margin);
+            !figure.may_meet(projection.apply(&near.lo), projection.apply(&near.hi))
+        })
+    }
+}
+
+/// A facet seen along the axis nearest to its normal; `None` if it has no area.
+fn figure(body: &Body, facet: u32) -> Option<(Projection, Figure)> {
+    let vertices = &body.solids[body.leaf_of_facet[facet as usize] as usize].vertices;
+    let normal = body.normal(facet);
+    let projection = Projection::along(&normal);
+    let place = |v: u32| projection.apply(&vertices[v as usize].point);
+    let sides = sides(body.own_loops(facet).iter()).map(|side| side.map(place));
+    (normal != Vec3::zeros()).then(|| (projection, Figure::new(sides.collect())))
 }
 
 impl FacetTrees {
@@ -21,27 +73,28 @@ impl FacetTrees {
     pub(super) fn new(body: &Body, reach: f64) -> Self {
         let mut found = Self {
             leaf_boxes: body.solids.iter().map(|s| Aabb::around(s.vertices.iter().map(|v| &v.point))).collect(),
-            trees: vec![],
+            leaves: vec![],
         };
-        let mut has_neighbour = vec![false; body.solids.len()];
-        for [a, b] in found.leaf_pairs(|_, _| reach) {
-            (has_neighbour[a as usize], has_neighbour[b as usize]) = (true, true);
+        // The box of everything that comes near each leaf.
+        let mut around = vec![Aabb::EMPTY; body.solids.len()];
+        for pair in found.leaf_pairs(|_, _| reach) {
+            for (leaf, other) in [(pair[0], pair[1]), (pair[1], pair[0])] {
+                around[leaf as usize] = around[leaf as usize].union(&found.leaf_boxes[other as usize].inflated(reach));
+            }
         }
-        let tree = |leaf: usize| {
-            let facets = body.first_facet[leaf]..body.first_facet[leaf + 1];
-            // What is set aside is nowhere.
-            let bounds = |f: u32| if body.fate(f).is_aside() { Aabb::EMPTY } else { body.bounds(f) };
-            if has_neighbour[leaf] { Bvh::new(facets.map(bounds).collect()) } else { Bvh::default() }
+        let facets = |leaf: usize| match around[leaf].is_empty() {
+            true => Facets::default(),
+            false => Facets::new(body, leaf as u32, &around[leaf]),
         };
-        found.trees = if body.facet_count() >= PARALLEL_FROM {
-            (0..body.solids.len()).into_par_iter().map(tree).collect()
+        found.leaves = if body.facet_count() >= PARALLEL_FROM {
+            (0..body.solids.len()).into_par_iter().map(facets).collect()
         } else {
-            (0..body.solids.len()).map(tree).collect()
+            (0..body.solids.len()).map(facets).collect()
         };
         found
     }
 
-    /// All pairs (f, g) of facets, f in an earlier leaf, whose boxes come within `margin(leaf, leaf)`; in ascending order.
+    /// All pairs (f, g) of facets, f in an earlier leaf, that may come within `margin(leaf, leaf)`; in ascending order.
     ///
     /// Two trees are descended together, so that large surfaces far apart cost little. O(n log n + pairs).
     pub(super) fn facet_pairs(&self, body: &Body, margin: impl Fn(u32, u32) -> f64 + Sync) -> Vec<[u32; 2]> {
@@ -73,10 +126,14 @@ impl FacetTrees {
         pairs.into_iter().map(|p| [(p >> 32) as u32, p as u32]).collect()
     }
 
-    /// Calls `visit` with the facets (numbered within their leaves) of two leaves whose boxes come within `margin`, in no
-    /// particular order, until it breaks.
-    pub(super) fn visit(&self, [a, b]: [u32; 2], margin: f64, visit: impl FnMut(u32, u32) -> ControlFlow<()>) {
-        self.trees[a as usize].pairs(&self.trees[b as usize], margin, visit);
+    /// Calls `visit` with the facets (numbered within their leaves) of two leaves that may come within `margin` along every
+    /// axis, in no particular order, until it breaks.
+    pub(super) fn visit(&self, leaves: [u32; 2], margin: f64, mut visit: impl FnMut(u32, u32) -> ControlFlow<()>) {
+        let [a, b] = leaves.map(|leaf| &self.leaves[leaf as usize]);
+        a.tree.pairs(&b.tree, margin, |f: &Item, g: &Item| {
+            let may_meet = a.may_meet(f.number, &g.bounds, margin) && b.may_meet(g.number, &f.bounds, margin);
+            if may_meet { visit(f.number, g.number) } else { ControlFlow::Continue(()) }
+        });
     }
 
     /// Pairs of leaves whose boxes come within `margin(leaf, leaf)`, in ascending order.

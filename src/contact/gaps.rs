@@ -77,7 +77,7 @@ fn gap(body: &Body, trees: &FacetTrees, outlines: &mut Outlines, leaves: [u32; 2
 
 /// Those of `pairs`, which are sorted, that have no point in common.
 fn apart(conforming: &Conforming, pairs: &[[u32; 2]]) -> Vec<[u32; 2]> {
-    let leaves_at = leaves_at_common_points(conforming);
+    let leaves_at = leaves_at_points(conforming);
     let mut is_apart = vec![true; pairs.len()];
     let mut left = pairs.len();
     let mut leaves: Vec<u32> = Vec::new();
@@ -99,22 +99,22 @@ fn apart(conforming: &Conforming, pairs: &[[u32; 2]]) -> Vec<[u32; 2]> {
     pairs.iter().zip(is_apart).filter(|p| p.1).map(|p| *p.0).collect()
 }
 
-/// For every point that several leaves have, those, once for each of their triangles there; none for other points.
-fn leaves_at_common_points(conforming: &Conforming) -> Lists {
-    const NONE: u32 = u32::MAX;
-    const SEVERAL: u32 = u32::MAX - 1;
+/// For every point near another leaf the leaves that have it, each once or oftener.
+fn leaves_at_points(conforming: &Conforming) -> Lists {
     let is_near = |t: &u32| conforming.cells[conforming.cell_of_triangle[*t as usize] as usize].is_near;
-    let uses = || {
-        let near = (0..conforming.triangles.len() as u32).filter(is_near);
-        let of_leaves = near.flat_map(|t| conforming.owners_of_triangle(t).iter().map(move |o| (t, o.leaf.0)));
-        of_leaves.flat_map(|(t, leaf)| conforming.triangles[t as usize].map(|v| (v, leaf)))
-    };
-    let mut leaf_at = vec![NONE; conforming.points.len()];
-    for (v, leaf) in uses() {
-        let known = &mut leaf_at[v as usize];
-        *known = if *known == NONE || *known == leaf { leaf } else { SEVERAL };
+    let mut last_leaf = vec![u32::MAX; conforming.points.len()];
+    let mut found: Vec<(u32, u32)> = Vec::new();
+    for t in (0..conforming.triangles.len() as u32).filter(is_near) {
+        for leaf in conforming.owners_of_triangle(t).iter().map(|o| o.leaf.0) {
+            for v in conforming.triangles[t as usize] {
+                // Triangles come by leaf mostly.
+                if std::mem::replace(&mut last_leaf[v as usize], leaf) != leaf {
+                    found.push((v, leaf));
+                }
+            }
+        }
     }
-    Lists::from_iter(conforming.points.len(), uses().filter(|u| leaf_at[u.0 as usize] == SEVERAL))
+    Lists::new(conforming.points.len(), &found)
 }
 
 /// Distance of two planar facets and a place of it, if it is at most `reach`, or `None` if they cross.

@@ -5,7 +5,8 @@
 //! by identity of point numbers. What crosses transversally is left to the exact arrangement.
 //!
 //! 1. [`weld`]: vertices of different leaves within the tolerance become one; the earlier represents.
-//! 2. [`candidates`]: pairs of facets of different leaves whose boxes come near. What is in no pair is done.
+//! 2. [`candidates`]: pairs of facets of different leaves that come near, by their boxes and, of facets of many corners, by
+//!    their figures. What is in no pair is done.
 //! 3. [`crossings`]: edges that come near each other get common points: an end on the other edge, or a new point where they
 //!    cross; repeated until nothing changes. [`edges`] holds them: what is put into an edge enters every facet at it.
 //! 4. [`sheets`]: facets in one plane that overlap form a sheet; edges and points of other facets may lie on it besides.
@@ -33,6 +34,7 @@ mod crossings;
 mod cuts;
 mod drafts;
 mod edges;
+mod figure;
 mod gaps;
 mod outline;
 mod sheets;

@@ -1,6 +1,7 @@
 //! Facets near a contact as planar figures: plane, outline with everything inserted, and what lies on them.
 
 use super::edges::EdgeSet;
+use super::figure::{Figure, is_enclosed};
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
 use crate::geom::polygon::vector_area;
@@ -32,7 +33,7 @@ struct Index {
     /// Points, sorted.
     corners: Vec<u32>,
     /// Sides as they came, seen along the projection.
-    figure: Vec<[[f64; 2]; 2]>,
+    figure: Figure,
 }
 
 impl Index {
@@ -41,7 +42,7 @@ impl Index {
         edges.sort_unstable();
         let mut corners = loops.concat();
         corners.sort_unstable();
-        Self { sides: edges, corners, figure: sides(frame).map(|side| side.map(&flat)).collect() }
+        Self { sides: edges, corners, figure: Figure::new(sides(frame).map(|side| side.map(&flat)).collect()) }
     }
 }
 
@@ -99,14 +100,11 @@ impl Outline {
         if (0..2).any(|k| q[k] < lo[k] || q[k] > hi[k]) {
             return false;
         }
-        // Sides that a ray from the place along the first axis crosses.
-        let is_crossed = |[a, b]: [[f64; 2]; 2]| (a[1] > q[1]) != (b[1] > q[1]) && (orient2d(a, b, q) > 0) == (b[1] > a[1]);
         let flat = |v: u32| self.projection.apply(&points[v as usize]);
-        let crossed = match &self.index {
-            Some(index) => index.figure.iter().filter(|side| is_crossed(**side)).count(),
-            None => sides(self.frame()).filter(|side| is_crossed(side.map(flat))).count(),
-        };
-        crossed % 2 == 1
+        match &self.index {
+            Some(index) => index.figure.encloses(q),
+            None => is_enclosed(q, sides(self.frame()).map(|side| side.map(flat))),
+        }
     }
     /// Whether it has one loop that turns left at every corner, or not at all.
     pub fn is_convex(&self, points: &[Vec3]) -> bool {
@@ -119,7 +117,10 @@ impl Outline {
         let [a, b] = ends.map(|v| points[v as usize]);
         let middle = (a + b) * 0.5;
         let is_clear = |[a, b]: [u32; 2]| !is_within(&[points[a as usize], points[b as usize]], &middle, tolerance);
-        !self.has_side(ends) && self.encloses(&middle, points) && sides(self.frame()).all(is_clear)
+        // Of a long outline hardly any side comes near; twice the tolerance leaves room for rounding.
+        let [lo, hi] = [-2.0, 2.0].map(|k| self.projection.apply(&middle.add_scalar(k * tolerance)));
+        let is_far = || self.index.as_ref().is_some_and(|index| !index.figure.has_side_near(lo, hi));
+        !self.has_side(ends) && self.encloses(&middle, points) && (is_far() || sides(self.frame()).all(is_clear))
     }
     /// Whether all points of `other` lie within `tolerance` of the plane.
     pub fn is_level_with(&self, other: &Self, tolerance: f64, points: &[Vec3]) -> bool {
@@ -152,6 +153,7 @@ pub(super) fn passes(ends: &[Vec3; 2], x: &Vec3, tolerance: f64) -> bool {
 pub(super) fn sides<'a, W: AsRef<[u32]> + ?Sized + 'a>(
     loops: impl IntoIterator<Item = &'a W>,
 ) -> impl Iterator<Item = [u32; 2]> {
-    let ends = |w: &'a [u32]| (0..w.len()).map(move |k| [w[k], w[(k + 1) % w.len()]]);
+    // A comparison takes less time than a division.
+    let ends = |w: &'a [u32]| (0..w.len()).map(move |k| [w[k], w[if k + 1 < w.len() { k + 1 } else { 0 }]]);
     loops.into_iter().flat_map(move |w| ends(w.as_ref()))
 }

@@ -203,21 +203,26 @@ fn land(body: &Body, set: &EdgeSet, from: &Outline, onto: &Outline, slot: u32, f
     let tolerance = body.tolerance(body.leaf_of_facet[from.facet as usize], leaf);
     let height = |v: u32| onto.height(&body.points[v as usize]);
     let near = onto.bounds.inflated(2.0 * CHAIN_REACH * tolerance);
+    let reach = CHAIN_REACH * tolerance;
     set.own_near(from.facet, &near, |edge| {
+        if !near.overlaps(set.bounds(edge)) {
+            return;
+        }
         let ends = set.edges[edge as usize].ends.map(height);
-        let reach = CHAIN_REACH * tolerance;
-        let is_beside = ends.iter().all(|&h| h > reach) || ends.iter().all(|&h| h < -reach);
-        if is_beside || !near.overlaps(set.bounds(edge)) {
+        if ends.iter().all(|&h| h > reach) || ends.iter().all(|&h| h < -reach) {
             return;
         }
         let mut previous: Option<(u32, bool)> = None;
-        for v in set.points_between(edge, near_plane(ends, CHAIN_REACH * tolerance)) {
+        for v in set.points_between(edge, near_plane(ends, reach)) {
+            // Most points of an edge that comes near are not near themselves.
+            if !near.contains(&body.points[v as usize]) {
+                previous = None;
+                continue;
+            }
             let h = height(v).abs();
             let is_corner = onto.has_corner(v);
-            let is_inside = !is_corner
-                && h <= CHAIN_REACH * tolerance
-                && !set.is_elsewhere(v, leaf)
-                && onto.encloses(&body.points[v as usize], &body.points);
+            let is_inside =
+                !is_corner && h <= reach && !set.is_elsewhere(v, leaf) && onto.encloses(&body.points[v as usize], &body.points);
             if is_inside && h > tolerance {
                 found.push(Landing { on: slot, what: What::NearMiss(v) });
             }

@@ -79,32 +79,34 @@ pub struct Segment {
     from: Vec3,
     step: Vec3,
     inverse: Vec3,
-    /// Largest coordinates of both ends.
-    size: f64,
+    /// Rounding error of a distance along an axis.
+    slack: f64,
 }
 
 impl Segment {
-    /// Between two points.
-    pub fn new(from: &Vec3, to: &Vec3) -> Self {
+    /// Between two points, for boxes within `bounds`.
+    pub fn new(from: &Vec3, to: &Vec3, bounds: &Aabb) -> Self {
         let step = to - from;
-        Self { from: *from, step, inverse: step.map(|d| 1.0 / d), size: from.amax() + to.amax() }
+        // A few units in the last place of the largest number involved.
+        let size = from.amax() + to.amax() + bounds.lo.amax().max(bounds.hi.amax());
+        Self { from: *from, step, inverse: step.map(|d| 1.0 / d), slack: 8.0 * f64::EPSILON * size }
     }
     /// Whether the part up to the parameter `until` (1 is the end) may meet a box: slabs, enlarged by the rounding of the test.
     pub fn may_meet(&self, bounds: &Aabb, until: f64) -> bool {
         let (mut lo, mut hi) = (0.0f64, until);
-        // A few units in the last place of the largest number involved.
-        let slack = 8.0 * f64::EPSILON * (self.size + bounds.lo.amax().max(bounds.hi.amax()));
         for k in 0..3 {
-            let (below, above) = (bounds.lo[k] - slack - self.from[k], bounds.hi[k] + slack - self.from[k]);
+            let (below, above) = (bounds.lo[k] - self.slack - self.from[k], bounds.hi[k] + self.slack - self.from[k]);
             if self.step[k] == 0.0 {
                 if below > 0.0 || above < 0.0 {
                     return false;
                 }
                 continue;
             }
-            let (s, t) = (below * self.inverse[k], above * self.inverse[k]);
-            lo = lo.max(s.min(t) - 4.0 * f64::EPSILON);
-            hi = hi.min(s.max(t) + 4.0 * f64::EPSILON);
+            let (near, far) = if self.step[k] > 0.0 { (below, above) } else { (above, below) };
+            let (first, last) = (near * self.inverse[k] - 4.0 * f64::EPSILON, far * self.inverse[k] + 4.0 * f64::EPSILON);
+            // Comparisons take half the time of `f64::max`, which looks for NaN.
+            lo = if first > lo { first } else { lo };
+            hi = if last < hi { last } else { hi };
         }
         lo <= hi
     }

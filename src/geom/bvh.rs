@@ -10,6 +10,9 @@ use std::ops::ControlFlow;
 /// Largest number of boxes in a tree leaf: below this, testing all is cheaper than descending.
 const LEAF_SIZE: usize = 4;
 
+/// Boxes in each half from which on both are built at once: fewer take no longer than to hand them out.
+const PARALLEL_FROM: usize = 1 << 13;
+
 /// More levels than any tree has: each halves up to 2^32 items.
 const DEEPEST: usize = 40;
 
@@ -34,23 +37,38 @@ pub struct Bvh {
     items: Vec<Item>,
 }
 
+/// A box and its number.
 #[derive(Clone, Copy, Debug)]
-struct Item {
-    bounds: Aabb,
-    number: u32,
+pub struct Item {
+    /// The box.
+    pub bounds: Aabb,
+    /// Its position in the slice that the tree was built from, or what [`Bvh::renumber`] made of it.
+    pub number: u32,
 }
 
-/// A box by its number and its centre, seen from that of the first one.
-type Keyed = (u32, [f32; 3]);
+/// A box by its number and its centre, seen from that of the first one, as [`in_order`] has it.
+type Keyed = (u32, [i32; 3]);
+
+/// A number that is in the order of `x`, as `total_cmp` is: integers are compared in half the time.
+fn in_order(x: f32) -> i32 {
+    let bits = x.to_bits() as i32;
+    bits ^ ((bits >> 31) as u32 >> 1) as i32
+}
+
+/// What [`in_order`] came from: it is its own inverse.
+fn value_of(key: i32) -> f32 {
+    f32::from_bits(in_order(f32::from_bits(key as u32)) as u32)
+}
 
 impl Bvh {
-    /// The tree over `boxes`.
+    /// The tree over `boxes`; empty ones, which nothing comes near, are left out.
     pub fn new(boxes: Vec<Aabb>) -> Self {
         // Single precision is enough to tell where to split, and half of it to move.
         let origin = boxes.iter().find(|b| !b.is_empty()).map_or(Vec3::zeros(), Aabb::center);
-        let center = |b: &Aabb| (b.center() - origin).map(|x| x as f32).into();
-        let mut keyed: Vec<Keyed> = boxes.iter().zip(0..).map(|(b, k)| (k, center(b))).collect();
-        let mut nodes = Vec::with_capacity(boxes.len() / 2 + 1);
+        let center = |b: &Aabb| (b.center() - origin).map(|x| in_order(x as f32)).into();
+        let mut keyed: Vec<Keyed> = Vec::with_capacity(boxes.len());
+        keyed.extend(boxes.iter().zip(0..).filter(|b| !b.0.is_empty()).map(|(b, k)| (k, center(b))));
+        let mut nodes = Vec::with_capacity(most_nodes(keyed.len()));
         if !keyed.is_empty() {
             split(&mut keyed, 0, &boxes, &mut nodes);
         }
@@ -199,7 +217,7 @@ impl Bvh {
 
     /// Calls `visit` with every pair (item of this tree, item of `other`) whose boxes come nearer than `margin` along every
     /// axis, until it breaks. Descends both trees together, so that pairs far apart cost nothing.
-    pub fn pairs(&self, other: &Self, margin: f64, mut visit: impl FnMut(u32, u32) -> ControlFlow<()>) {
+    pub fn pairs(&self, other: &Self, margin: f64, mut visit: impl FnMut(&Item, &Item) -> ControlFlow<()>) {
         if self.nodes.is_empty() || other.nodes.is_empty() {
             return;
         }
@@ -218,7 +236,7 @@ impl Bvh {
                 _ => {
                     for own in self.items_of(a).iter().filter(|own| own.bounds.is_near(&b.bounds, margin)) {
                         for its in other.items_of(b).iter().filter(|its| own.bounds.is_near(&its.bounds, margin)) {
-                            if visit(own.number, its.number).is_break() {
+                            if visit(own, its).is_break() {
                                 return;
                             }
                         }
@@ -245,21 +263,44 @@ fn split(keyed: &mut [Keyed], offset: usize, boxes: &[Aabb], nodes: &mut Vec<Nod
         nodes[me].bounds = keyed.iter().fold(Aabb::EMPTY, |b, k| b.union(&boxes[k.0 as usize]));
         return;
     }
-    let (mut lo, mut hi) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+    let (mut lo, mut hi) = ([i32::MAX; 3], [i32::MIN; 3]);
     for (_, c) in keyed.iter() {
         for k in 0..3 {
             lo[k] = lo[k].min(c[k]);
             hi[k] = hi[k].max(c[k]);
         }
     }
-    let axis = (0..3).fold(0, |a, k| if hi[k] - lo[k] > hi[a] - lo[a] { k } else { a });
+    let extent = |k: usize| value_of(hi[k]) - value_of(lo[k]);
+    let axis = (0..3).fold(0, |a, k| if extent(k) > extent(a) { k } else { a });
     let middle = keyed.len() / 2;
-    keyed.select_nth_unstable_by(middle, |a, b| a.1[axis].total_cmp(&b.1[axis]).then(a.0.cmp(&b.0)));
+    keyed.select_nth_unstable_by_key(middle, |k| (k.1[axis], k.0));
     let (left, right) = keyed.split_at_mut(middle);
-    split(left, offset, boxes, nodes);
-    let next = nodes.len();
-    split(right, offset + middle, boxes, nodes);
+    let next;
+    if left.len() < PARALLEL_FROM {
+        split(left, offset, boxes, nodes);
+        next = nodes.len();
+        split(right, offset + middle, boxes, nodes);
+    } else {
+        let [mut first, mut second] = [&left, &right].map(|half| Vec::with_capacity(most_nodes(half.len())));
+        rayon::join(|| split(left, offset, boxes, &mut first), || split(right, offset + middle, boxes, &mut second));
+        append(nodes, first);
+        next = nodes.len();
+        append(nodes, second);
+    }
     nodes[me] = Node { bounds: nodes[me + 1].bounds.union(&nodes[next].bounds), first: next as u32, count: 0 };
+}
+
+/// Nodes of a tree over so many boxes at most: tree leaves are of one depth or the one above.
+fn most_nodes(boxes: usize) -> usize {
+    2 * boxes.div_ceil(LEAF_SIZE).next_power_of_two()
+}
+
+/// Adds a subtree that was built by itself.
+fn append(nodes: &mut Vec<Node>, subtree: Vec<Node>) {
+    let before = nodes.len() as u32;
+    nodes.extend(
+        subtree.into_iter().map(|node| if node.count == 0 { Node { first: before + node.first, ..node } } else { node }),
+    );
 }
 
 #[cfg(test)]
@@ -278,6 +319,20 @@ mod tests {
             assert!((0..3).all(|guess| tree.nearest(&point, Some(guess), distance) == all));
         }
         assert_eq!(Bvh::new(Vec::new()).nearest(&Vec3::zeros(), None, |_| 0.0), None);
+    }
+
+    #[test]
+    fn large_trees_built_in_halves_are_the_same() {
+        let boxes: Vec<Aabb> = scattered().into_iter().cycle().take(3 * PARALLEL_FROM).collect();
+        let tree = Bvh::new(boxes.clone());
+        let query = boxes[7].inflated(0.5);
+        let mut found = Vec::new();
+        tree.overlapping(&query, |i| found.push(i));
+        found.sort_unstable();
+        let all: Vec<u32> = (0..boxes.len() as u32).filter(|&i| boxes[i as usize].overlaps(&query)).collect();
+        assert!(!all.is_empty() && found == all);
+        assert!(tree.nodes.iter().zip(0..).all(|(node, k)| node.count > 0 || node.first > k + 1));
+        assert!(tree.nodes.len() > most_nodes(boxes.len()) / 2 && tree.nodes.len() < most_nodes(boxes.len()));
     }
 
     fn scattered() -> Vec<Aabb> {
@@ -324,7 +379,7 @@ mod tests {
         let (left, right) = (Bvh::new(boxes[..200].to_vec()), Bvh::new(boxes[200..].to_vec()));
         let mut found = Vec::new();
         left.pairs(&right, 0.1003, |i, j| {
-            found.push((i, j));
+            found.push((i.number, j.number));
             ControlFlow::Continue(())
         });
         found.sort_unstable();

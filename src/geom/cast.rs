@@ -104,7 +104,7 @@ impl<'a> Caster<'a> {
     }
 
     fn crossings(&self, p: &Vec3, q: &Vec3) -> Result<Vec<Crossing>, CastError> {
-        let (segment, mut found) = (Segment::new(p, q), Ok(Vec::new()));
+        let (segment, mut found) = (Segment::new(p, q, &self.tree.bounds()), Ok(Vec::new()));
         self.tree.search(
             |b| segment.may_meet(b, 1.0),
             |t| {
@@ -153,18 +153,18 @@ impl<'a> Caster<'a> {
         Ok(Some(Crossing { at: hp / (hp - hq), triangle, from_front: sp > 0 }))
     }
 
-    /// Distance, in units of `direction`, to the nearest triangle in front of `from` other than `skipped`, in floats: where the
-    /// ray grazes an edge, it may miss it.
-    pub fn distance_to_next(&self, from: &Vec3, direction: &Vec3, skipped: u32) -> Option<f64> {
+    /// Distance, in units of `direction`, to the nearest triangle in front of `from` other than `skipped`, if it is more than
+    /// `least`; in floats: where the ray grazes an edge, it may miss it.
+    pub fn distance_to_next(&self, from: &Vec3, direction: &Vec3, skipped: u32, least: f64) -> Option<f64> {
         let beyond_all = self.reach_from(from) / direction.norm();
-        let segment = Segment::new(from, &(from + direction * beyond_all));
+        let segment = Segment::new(from, &(from + direction * beyond_all), &self.tree.bounds());
         // The next triangle is mostly near, and very many may lie behind it: so far at first, then four times as far.
-        let mut until = Aabb::around(self.corners(skipped).iter()).diagonal() / direction.norm();
+        let mut until = (Aabb::around(self.corners(skipped).iter()).diagonal() / direction.norm()).max(2.0 * least);
         loop {
             let best = Cell::new(until.min(beyond_all));
-            // What lies behind the nearest triangle so far need not be looked at.
+            // What lies behind the nearest triangle so far need not be looked at, and nothing if that is too near.
             self.tree.search(
-                |b| segment.may_meet(b, best.get() / beyond_all),
+                |b| best.get() > least && segment.may_meet(b, best.get() / beyond_all),
                 |t| {
                     if t != skipped
                         && let Some(d) = ray_triangle(from, direction, self.corners(t))
@@ -174,7 +174,7 @@ impl<'a> Caster<'a> {
                 },
             );
             if best.get() < until.min(beyond_all) {
-                return Some(best.get());
+                return (best.get() > least).then_some(best.get());
             }
             if until.is_nan() || until >= beyond_all {
                 return None;
@@ -214,6 +214,7 @@ mod tests {
         assert_eq!(caster.cast(&v(0., 0., 0.)), Err(CastError::On(0)));
         let up = caster.cast(&v(1., 1., 4.5)).unwrap();
         assert_eq!(up.iter().map(|c| (c.triangle, c.from_front)).collect::<Vec<_>>(), [(1, false)]);
-        assert_eq!(caster.distance_to_next(&v(1., 1., 0.), &v(0., 0., 1.), 0), Some(5.0));
+        assert_eq!(caster.distance_to_next(&v(1., 1., 0.), &v(0., 0., 1.), 0, 4.9), Some(5.0));
+        assert_eq!(caster.distance_to_next(&v(1., 1., 0.), &v(0., 0., 1.), 0, 5.0), None);
     }
 }

@@ -16,6 +16,12 @@ impl<T> Default for Lists<T> {
 }
 
 impl<T: Copy + Default> Lists<T> {
+    /// No lists yet, but room for so many and for so many items in all.
+    pub fn with_capacity(lists: usize, items: usize) -> Self {
+        let mut first = Vec::with_capacity(lists + 1);
+        first.push(0);
+        Self { first, items: Vec::with_capacity(items) }
+    }
     /// `count` lists from pairs (list, item); each keeps the order of its pairs.
     pub fn new(count: usize, pairs: &[(u32, T)]) -> Self {
         Self::from_iter(count, pairs.iter().copied())

@@ -13,10 +13,13 @@ pub fn vector_area<'a>(loops: impl IntoIterator<Item = &'a [u32]>, points: &[Vec
     let mut sum = Vec3::zeros();
     let mut origin = None;
     for walk in loops {
-        for (k, &b) in walk.iter().enumerate() {
-            let a = points[walk[(k + walk.len() - 1) % walk.len()] as usize];
-            let o = *origin.get_or_insert(a);
-            sum += (a - o).cross(&(points[b as usize] - o));
+        let Some(&last) = walk.last() else { continue };
+        let mut a = points[last as usize];
+        let o = *origin.get_or_insert(a);
+        for &b in walk {
+            let b = points[b as usize];
+            sum += (a - o).cross(&(b - o));
+            a = b;
         }
     }
     sum * 0.5

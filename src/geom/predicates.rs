@@ -50,8 +50,41 @@ pub fn clear_side(a: &Vec3, b: &Vec3, c: &Vec3, d: &Vec3) -> Sign {
 #[cold]
 #[inline(never)]
 fn orient3d_in_doubt(a: &Vec3, b: &Vec3, c: &Vec3, d: &Vec3) -> Sign {
+    if let Some(sign) = orient3d_of_prism([a, b, c, d]) {
+        return sign;
+    }
     let at = |p: &Vec3| Coord3D { x: p.x, y: p.y, z: p.z };
     -sign(robust::orient3d(at(a), at(b), at(c), at(d)))
+}
+
+/// [`orient3d`] where points of a body that is prismatic along an axis make it a matter of two dimensions: all lie at one
+/// height, or one of them above another. Such points are often coplanar, and comparisons take a tenth of the time of long numbers.
+fn orient3d_of_prism(points: [&Vec3; 4]) -> Option<Sign> {
+    let is_level = |k: usize| points.iter().all(|p| p[k] == points[0][k]);
+    if (0..3).any(is_level) {
+        return Some(0);
+    }
+    // The two that are above each other, and whether the order (lower, upper, the others) is an odd one.
+    const PAIRS: [([usize; 4], bool); 6] = [
+        ([0, 1, 2, 3], false),
+        ([0, 2, 1, 3], true),
+        ([0, 3, 1, 2], false),
+        ([1, 2, 0, 3], false),
+        ([1, 3, 0, 2], true),
+        ([2, 3, 0, 1], false),
+    ];
+    for axis in 0..3 {
+        let plane = Projection { u: (axis + 1) % 3, v: (axis + 2) % 3 };
+        let flat = |k: usize| plane.apply(points[k]);
+        for ([lower, upper, p, q], is_odd) in PAIRS {
+            if flat(lower) == flat(upper) {
+                let up = sign(points[upper][usize::from(axis)] - points[lower][usize::from(axis)]);
+                let turn = up * orient2d(flat(lower), flat(p), flat(q));
+                return Some(if is_odd { -turn } else { turn });
+            }
+        }
+    }
+    None
 }
 
 /// +1 if a, b, c turn counter-clockwise in the plane, -1 if clockwise, 0 if collinear. Exact.
@@ -108,6 +141,27 @@ mod tests {
         assert_eq!(orient3d(&o, &x, &y, &(-z)), -1);
         assert_eq!(orient3d(&o, &x, &y, &(x + y)), 0);
         assert_eq!([clear_side(&o, &x, &y, &z), clear_side(&o, &x, &y, &(x + y))], [1, 0]);
+    }
+
+    #[test]
+    fn points_above_each_other_turn_as_long_numbers_tell() {
+        let long = |p: [&Vec3; 4]| {
+            let at = |p: &Vec3| Coord3D { x: p.x, y: p.y, z: p.z };
+            -sign(robust::orient3d(at(p[0]), at(p[1]), at(p[2]), at(p[3])))
+        };
+        // Corners of two boxes of thirds and tenths: many are above others, and many are coplanar.
+        let place = |k: usize, n: usize| [1.0 / 3.0, 0.1, -0.7, 0.3][(k / n) % 4];
+        let corners: Vec<Vec3> = (0..24).map(|k| Vec3::new(place(k, 1), place(k, 4), place(7 * k, 3))).collect();
+        let (mut settled, mut seen) = (0, [0; 3]);
+        for k in 0..corners.len().pow(4) {
+            let p = [0, 1, 2, 3].map(|place| &corners[k / 24usize.pow(place) % 24]);
+            if let Some(sign) = orient3d_of_prism(p) {
+                assert_eq!(sign, long(p), "{p:?}");
+                settled += 1;
+                seen[(sign + 1) as usize] += 1;
+            }
+        }
+        assert!(settled > 100_000 && seen.iter().all(|&n| n > 10_000), "{settled} {seen:?}");
     }
 
     #[test]

@@ -2,16 +2,22 @@
 //! coordinates are passed over.
 
 use super::{FormatError, PolygonMesh, coordinates};
+use crate::geom::lists::Lists;
+
+/// Bytes of a line of three numbers, at least.
+const SHORTEST_LINE: usize = 6;
 
 /// Reads the text of an OFF file.
 ///
 /// # Errors
 /// With the line: unknown header, missing lines, bad numbers, point numbers out of range.
 pub fn read(text: &str) -> Result<PolygonMesh, FormatError> {
+    // Looked for once, and not again in each of many lines.
+    let has_comments = text.contains('#');
     let mut lines = text
         .lines()
         .enumerate()
-        .map(|(k, line)| (k + 1, line.split_once('#').map_or(line, |parts| parts.0).trim_ascii()))
+        .map(|(k, line)| (k + 1, if has_comments { without_comment(line) } else { line }.trim_ascii()))
         .filter(|(_, line)| !line.is_empty());
     let mut next =
         |what: &str| lines.next().ok_or_else(|| FormatError::new(0, format!("the file ends where {what} is expected")));
@@ -29,7 +35,14 @@ pub fn read(text: &str) -> Result<PolygonMesh, FormatError> {
     let [points, polygons, ..] = counts[..] else {
         return Err(FormatError::new(line, "the numbers of points and polygons are expected"));
     };
-    let mut mesh = PolygonMesh { groups: vec!["surface".into()], ..Default::default() };
+    // What the file says is believed as far as it is long enough for it.
+    let room = |count: usize| count.min(text.len() / SHORTEST_LINE);
+    let mut mesh = PolygonMesh {
+        points: Vec::with_capacity(room(points)),
+        polygons: Lists::with_capacity(room(polygons), 3 * room(polygons)),
+        group_of: Vec::with_capacity(room(polygons)),
+        groups: vec!["surface".into()],
+    };
     for _ in 0..points {
         let (line, words) = next("a point")?;
         mesh.points.push(coordinates(words.split_ascii_whitespace(), line)?);
@@ -67,12 +80,16 @@ pub fn read(text: &str) -> Result<PolygonMesh, FormatError> {
     Ok(mesh)
 }
 
+fn without_comment(line: &str) -> &str {
+    line.split_once('#').map_or(line, |parts| parts.0)
+}
+
 /// The numbers of a line, if it has nothing but short ones and spaces: most lines are so, and are read in a third of the time.
 fn plain_numbers(words: &str, numbers: &mut Vec<u32>) -> bool {
     const DIGITS: usize = 9;
     numbers.clear();
     let (mut number, mut digits) = (0, 0);
-    for byte in words.bytes().chain([b' ']) {
+    for &byte in words.as_bytes() {
         match byte {
             b'0'..=b'9' if digits < DIGITS => (number, digits) = (10 * number + u32::from(byte - b'0'), digits + 1),
             b' ' if digits > 0 => {
@@ -82,6 +99,9 @@ fn plain_numbers(words: &str, numbers: &mut Vec<u32>) -> bool {
             b' ' => {}
             _ => return false,
         }
+    }
+    if digits > 0 {
+        numbers.push(number);
     }
     true
 }

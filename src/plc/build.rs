@@ -48,7 +48,10 @@ pub fn build(complex: &Complex, parts: &IdVec<PartId, Part>) -> Outcome<Plc> {
 
 /// All triangles of a complex and the regions on their sides, facet by facet.
 pub fn triangles_of(complex: &Complex) -> (Vec<[u32; 3]>, Vec<[crate::ids::RegionId; 2]>) {
-    complex.facets.iter().flat_map(|f| f.triangles.iter().map(|t| (t.map(|v| v.0), f.sides))).unzip()
+    let triangles = complex.triangles();
+    let mut sides = Vec::with_capacity(triangles.len());
+    complex.facets.iter().for_each(|f| sides.resize(sides.len() + f.triangles.len(), f.sides));
+    (triangles, sides)
 }
 
 /// A facet with a point in each of its holes; the error is a place on the hole that has none.

@@ -9,6 +9,7 @@ use crate::diag::Diagnostic;
 use crate::geom::Vec3;
 use crate::geom::cast::Caster;
 use crate::ids::{Id, IdVec, RegionId};
+use std::cmp::Reverse;
 
 /// Facet triangles tried per region before the best point is taken. The largest ones lie in the widest places; more of them
 /// cost time and gain little.
@@ -55,28 +56,33 @@ pub fn find(complex: &Complex, all: &Sides) -> Result<IdVec<RegionId, Option<Vec
     if faults.is_empty() { Ok(seeds) } else { Err(faults) }
 }
 
-fn seed_of(region: RegionId, mut triangles: Vec<(u32, bool)>, all: &Sides, caster: &Caster) -> Option<Vec3> {
+/// `triangles`: those of the region's boundary, and whether it lies in front of them.
+fn seed_of(region: RegionId, triangles: Vec<(u32, bool)>, all: &Sides, caster: &Caster) -> Option<Vec3> {
     let normal = |t: u32| {
         let [a, b, c] = caster.corners(t);
         (b - a).cross(&(c - a))
     };
-    triangles.sort_by_cached_key(|&(t, _)| (std::cmp::Reverse(normal(t).norm_squared().to_bits()), t));
-    let mut best: Option<(f64, Vec3)> = None;
-    for (k, &(t, in_front)) in triangles.iter().enumerate() {
-        if k >= CANDIDATES && best.is_some() {
-            break;
-        }
+    let size = |t: u32| Reverse(normal(t).norm_squared().to_bits());
+    let mut by_size: Vec<_> = triangles.into_iter().map(|(t, in_front)| (size(t), t, in_front)).collect();
+    let few = by_size.len().min(CANDIDATES);
+    if few < by_size.len() {
+        by_size.select_nth_unstable(few);
+    }
+    let (largest, others) = by_size.split_at_mut(few);
+    // The way through the region from a triangle, if it is longer than the best one so far, and its middle.
+    let longer = |best: Option<(f64, Vec3)>, &(_, t, in_front): &(_, u32, bool)| {
         let inwards = normal(t).normalize() * if in_front { 1.0 } else { -1.0 };
         let [a, b, c] = caster.corners(t);
         let center = (a + b + c) / 3.0;
-        if let Some(way) = caster.distance_to_next(&center, &inwards, t)
-            && best.is_none_or(|(w, _)| way > w)
-        {
-            let point = center + inwards * (0.5 * way);
-            if is_inside(region, &point, all, caster) {
-                best = Some((way, point));
-            }
-        }
+        let way = caster.distance_to_next(&center, &inwards, t, best.map_or(0.0, |b| b.0))?;
+        let point = center + inwards * (0.5 * way);
+        is_inside(region, &point, all, caster).then_some((way, point))
+    };
+    largest.sort_unstable();
+    let mut best = largest.iter().fold(None, |best, triangle| longer(best, triangle).or(best));
+    if best.is_none() {
+        others.sort_unstable();
+        best = others.iter().find_map(|triangle| longer(None, triangle));
     }
     best.map(|b| b.1)
 }

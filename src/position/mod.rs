@@ -207,7 +207,7 @@ impl Pieces {
     /// Stretched pieces that meet something, ascending.
     fn meeting(&self, complex: &Complex) -> Vec<usize> {
         let points: Vec<Vec3> = complex.vertices.iter().map(|v| v.point).collect();
-        let triangles: Vec<[u32; 3]> = complex.facets.iter().flat_map(|f| &f.triangles).map(|t| t.map(|v| v.0)).collect();
+        let triangles = complex.triangles();
         let met = violations(&points, &triangles, PAIRS).into_iter().flat_map(|v| v.triangles);
         let pieces = met.map(|t| self.of[triangles[t as usize][0] as usize] as usize);
         pieces.filter(|&piece| self.is_moved[piece]).collect::<BTreeSet<_>>().into_iter().collect()

@@ -253,7 +253,7 @@ fn split_bent(surface: &mut Surface, file: &str) -> Result<(), Diagnostic> {
 fn finish(surface: Surface, freedoms: &[Freedom], groups: Vec<String>) -> Solid {
     let mut number = vec![u32::MAX; surface.points.len()];
     let mut vertices = Vec::with_capacity(surface.points.len());
-    let mut facets = Facets::default();
+    let mut facets = Facets::with_capacity(surface.polygons.count(), surface.polygons.items().len());
     for (walk, &group) in surface.polygons.iter().zip(&surface.group_of) {
         let mut vertex = |v: &u32| {
             let slot = *v as usize;

@@ -51,6 +51,11 @@ pub struct Facets {
 }
 
 impl Facets {
+    /// No facets yet, but room for so many of one loop each and for their corners.
+    pub fn with_capacity(facets: usize, corners: usize) -> Self {
+        let walks = Lists::with_capacity(facets, corners);
+        Self { walks, ends: Vec::with_capacity(facets), surfaces: Vec::with_capacity(facets) }
+    }
     /// Adds a facet: see [`SolidFacet`].
     pub fn push(&mut self, loops: impl IntoIterator<Item = impl IntoIterator<Item = u32>>, surface: u32) {
         loops.into_iter().for_each(|walk| self.walks.push(walk));

@@ -167,7 +167,7 @@ impl Solid {
             let f = |x: f64| ((attempt + 1) as f64 * x).fract() - 0.5;
             let direction = Vec3::new(f(0.754_877_666_2) + 0.1, f(0.569_840_290_9) + 0.2, 0.6 + f(0.819_172_513_4).abs());
             let far = bounds.center() + direction.normalize() * (2.0 * bounds.diagonal());
-            let segment = Segment::new(p, &far);
+            let segment = Segment::new(p, &far, &bounds);
             let mut count = Some(0u32);
             self.tree.search(
                 |b| segment.may_meet(b, 1.0),

@@ -50,8 +50,7 @@ pub fn check(complex: &Complex, parts: &[Option<PartId>]) -> Result<Volumes, Vec
 /// Facets that meet where they must not.
 fn contacts(complex: &Complex) -> Vec<Fault> {
     let points: Vec<Vec3> = complex.vertices.iter().map(|v| v.point).collect();
-    let triangles: Vec<[u32; 3]> = complex.facets.iter().flat_map(|f| f.triangles.iter().map(|t| t.map(|v| v.0))).collect();
-    let found = embedding::violations(&points, &triangles, LIMIT);
+    let found = embedding::violations(&points, &complex.triangles(), LIMIT);
     let mut ends = Vec::new();
     if !found.is_empty() {
         ends.extend(complex.facets.iter().scan(0, |end, f| {

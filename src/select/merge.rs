@@ -60,7 +60,7 @@ fn collect(
     describe: &dyn Fn(usize) -> (Owner, [u32; 2], MarkerId),
 ) -> Vec<SelectedFacet> {
     let cells = &arrangement.cells;
-    let mut facets: Vec<SelectedFacet> = Vec::new();
+    let mut facets: Vec<SelectedFacet> = Vec::with_capacity(kept.iter().filter(|k| **k).count());
     let mut facet_of_set = vec![u32::MAX; cells.len()];
     for cell in (0..cells.len()).filter(|&c| kept[c]) {
         let slot = &mut facet_of_set[set_of[cell] as usize];

@@ -3,7 +3,8 @@
 use crate::geom::Vec3;
 use crate::io::manifest::Manifest;
 use crate::plc::{Plc, PlcFacet};
-use std::fmt::Write;
+use rayon::prelude::*;
+use std::fmt::{self, Write};
 
 /// Volume constraint of a region that has none: TetGen takes the region number for it if the column is missing.
 const NO_LIMIT: f64 = -1.0;
@@ -17,19 +18,15 @@ pub fn to_text(plc: &Plc, manifest: Option<&Manifest>) -> String {
     out
 }
 
-fn write_all(out: &mut String, plc: &Plc, manifest: Option<&Manifest>) -> std::fmt::Result {
+fn write_all(out: &mut String, plc: &Plc, manifest: Option<&Manifest>) -> fmt::Result {
     if let Some(m) = manifest {
         legend(out, m)?;
     }
     writeln!(out, "# vertices: number x y z\n{} 3 0 0", plc.vertices.len())?;
-    for (k, v) in plc.vertices.iter().enumerate() {
-        numbered(out, k, v)?;
-    }
+    each(out, &plc.vertices, numbered)?;
     writeln!(out, "# facets: polygons holes marker; vertex count and vertices of each polygon; points in holes")?;
     writeln!(out, "{} 1", plc.facets.len())?;
-    for f in &plc.facets {
-        facet(out, f)?;
-    }
+    each(out, &plc.facets, |out, _, f| facet(out, f))?;
     writeln!(out, "# voids: number x y z\n{}", plc.holes.len())?;
     for (k, p) in plc.holes.iter().enumerate() {
         numbered(out, k, p)?;
@@ -43,16 +40,47 @@ fn write_all(out: &mut String, plc: &Plc, manifest: Option<&Manifest>) -> std::f
     Ok(())
 }
 
-fn numbered(out: &mut String, index: usize, p: &Vec3) -> std::fmt::Result {
+/// Bytes of an item, a little more than of most.
+const BYTES: usize = 80;
+/// Items that one thread writes at a time, and chunks of them that are there at a time beside the text of the file.
+const CHUNK: usize = 1 << 12;
+const CHUNKS: usize = 64;
+
+/// Writes all items, each with its number from 0; many of them on all threads.
+fn each<T: Sync>(out: &mut String, items: &[T], write: impl Fn(&mut String, usize, &T) -> fmt::Result + Sync) -> fmt::Result {
+    let write_all = |out: &mut String, first: usize, items: &[T]| {
+        items.iter().enumerate().try_for_each(|(k, item)| write(out, first + k, item))
+    };
+    if items.len() <= CHUNK {
+        return write_all(out, 0, items);
+    }
+    for (batch, number) in items.chunks(CHUNK * CHUNKS).zip(0..) {
+        let text = |(k, chunk): (usize, &[T])| {
+            let mut text = String::with_capacity(BYTES * chunk.len());
+            write_all(&mut text, (number * CHUNKS + k) * CHUNK, chunk).map(|()| text)
+        };
+        let texts: Vec<_> = batch.par_chunks(CHUNK).enumerate().map(text).collect();
+        for text in texts {
+            out.push_str(&text?);
+        }
+    }
+    Ok(())
+}
+
+fn numbered(out: &mut String, index: usize, p: &Vec3) -> fmt::Result {
     writeln!(out, "{} {:?} {:?} {:?}", index + 1, p.x, p.y, p.z)
 }
 
-fn facet(out: &mut String, f: &PlcFacet) -> std::fmt::Result {
-    writeln!(out, "{} {} {}", f.polygons.len(), f.holes.len(), f.marker)?;
+fn facet(out: &mut String, f: &PlcFacet) -> fmt::Result {
+    integer(out, f.polygons.len());
+    out.push(' ');
+    integer(out, f.holes.len());
+    writeln!(out, " {}", f.marker)?;
     for polygon in &f.polygons {
-        write!(out, "{}", polygon.len())?;
-        for v in polygon {
-            write!(out, " {}", v + 1)?;
+        integer(out, polygon.len());
+        for &v in polygon {
+            out.push(' ');
+            integer(out, v as usize + 1);
         }
         out.push('\n');
     }
@@ -62,7 +90,15 @@ fn facet(out: &mut String, f: &PlcFacet) -> std::fmt::Result {
     Ok(())
 }
 
-fn legend(out: &mut String, m: &Manifest) -> std::fmt::Result {
+/// Adds a number: most of the file are these, and formatting takes several times as long.
+fn integer(out: &mut String, number: usize) {
+    if number >= 10 {
+        integer(out, number / 10);
+    }
+    out.push(char::from(b'0' + (number % 10) as u8));
+}
+
+fn legend(out: &mut String, m: &Manifest) -> fmt::Result {
     // A name may hold anything; a line break in it must not end the comment.
     let clean = |name: &str| name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect::<String>();
     writeln!(out, "# gsm {}, scene {}, unit {}", clean(&m.gsm), clean(&m.scene), clean(&m.unit))?;

@@ -15,7 +15,7 @@ const CELL: f64 = 8.0;
 
 /// The surface of a file over these points, one for all that have equal coordinates. O(n).
 pub(super) fn identified(mesh: &PolygonMesh, points: &[Vec3]) -> Surface {
-    let mut kept: Vec<Vec3> = Vec::new();
+    let mut kept: Vec<Vec3> = Vec::with_capacity(points.len());
     let mut known: IndexMap<[u64; 3], u32> = IndexMap::with_capacity_and_hasher(points.len(), Default::default());
     let mut number = |p: &Vec3| {
         // Minus zero is zero.
@@ -95,7 +95,8 @@ fn clusters(points: &[Vec3], reach: f64) -> (Vec<Vec3>, Vec<u32>) {
 
 /// The polygons over other numbers of their points without those that collapse, and which each was.
 fn renumbered(polygons: &Lists, number: &[u32]) -> (Lists, Vec<u32>) {
-    let (mut found, mut source) = (Lists::default(), Vec::with_capacity(polygons.count()));
+    let mut found = Lists::with_capacity(polygons.count(), polygons.items().len());
+    let mut source = Vec::with_capacity(polygons.count());
     let mut walk: Vec<u32> = Vec::new();
     for (polygon, k) in polygons.iter().zip(0u32..) {
         walk.clear();
