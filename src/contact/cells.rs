@@ -6,13 +6,11 @@ use super::cuts;
 use super::outline::{Outline, passes, sides};
 use super::sheets::Sheet;
 use crate::geom::Vec3;
+use crate::geom::cdt::{Cdt, HalfEdge, Spade, Vertex, slot};
 use crate::geom::polygon;
 use crate::geom::predicates::Projection;
-use spade::handles::{DirectedEdgeHandle, FixedFaceHandle, FixedVertexHandle, InnerTag};
-use spade::{ConstrainedDelaunayTriangulation, Intersection, LineIntersectionIterator, Point2, Triangulation};
-
-type Cdt = ConstrainedDelaunayTriangulation<Point2<f64>>;
-type HalfEdge<'a> = DirectedEdgeHandle<'a, Point2<f64>, (), spade::CdtEdge<()>, ()>;
+use spade::handles::{FixedFaceHandle, InnerTag};
+use spade::{Intersection, LineIntersectionIterator, Triangulation};
 
 /// A cell before it is known which other sheets have it too.
 #[derive(Clone, Debug, Default)]
@@ -78,8 +76,8 @@ pub(super) fn trace(sheet: &Sheet, outlines: &[Outline], body: &Body, tolerance:
     add_chords(&mut cdt, sheet.chords, &vertices, |v, [a, b]| {
         passes(&[a, b].map(|k| points[vertices[k] as usize]), &points[vertices[v] as usize], tolerance)
     });
-    let pieces = Pieces::new(&cdt);
-    let labels = label(&cdt, &pieces, &borders, &vertices);
+    let pieces = Pieces::new(&cdt.spade);
+    let labels = label(&cdt.spade, &pieces, &borders, &vertices);
     let mut drafts: Vec<Draft> = labels
         .into_iter()
         .map(|owners| Draft {
@@ -87,15 +85,16 @@ pub(super) fn trace(sheet: &Sheet, outlines: &[Outline], body: &Body, tolerance:
             ..Draft::default()
         })
         .collect();
-    let name = |v: FixedVertexHandle| vertices[v.index()];
+    let cdt = &cdt.spade;
+    let name = |v: Vertex| vertices[slot(v)];
     for face in cdt.inner_faces() {
         let piece = pieces.of[face.fix().index()] as usize;
         if !drafts[piece].owners.is_empty() {
-            drafts[piece].triangles.push(face.vertices().map(|v| name(v.fix())));
+            drafts[piece].triangles.push(face.vertices().map(name));
         }
     }
-    pieces.loops(&cdt, &mut drafts, &name);
-    pieces.inner(&cdt, &mut drafts, &name);
+    pieces.loops(cdt, &mut drafts, &name);
+    pieces.inner(cdt, &mut drafts, &name);
     drafts.retain(|d| !d.owners.is_empty());
     for draft in &mut drafts {
         draft.loops = in_order(std::mem::take(&mut draft.loops), reference.projection, points);
@@ -131,30 +130,12 @@ fn borders(sheet: &Sheet, outlines: &[Outline]) -> Vec<Border> {
     borders
 }
 
-/// The triangulation, whose vertices are numbered as in `vertices`.
+/// The triangulation, whose vertices are numbered as in `vertices`. A constraint through a vertex would have been cut there.
 fn triangulate(vertices: &[u32], edges: &[[u32; 2]], projection: Projection, points: &[Vec3]) -> Result<Cdt, Tangled> {
-    // Flush what spade would refuse as too small; such coordinates are far below the tolerance.
-    let tidy = |x: f64| if x.abs() < spade::MIN_ALLOWED_VALUE { 0.0 } else { x };
-    let positions =
-        vertices.iter().map(|&v| projection.apply(&points[v as usize])).map(|p| Point2::new(tidy(p[0]), tidy(p[1])));
-    let slot = |v: u32| vertices.binary_search(&v).unwrap_or(0);
-    let constraints: Vec<[usize; 2]> = edges.iter().map(|e| e.map(slot)).collect();
-    let mut conflict = None;
-    let cdt = Cdt::try_bulk_load_cdt(positions.collect(), constraints, |e| conflict = conflict.or(Some(e[0])))
-        .map_err(|_| Tangled { point: vertices[0] })?;
-    // A constraint through a vertex would have been cut there.
-    if let Some(k) = conflict {
-        return Err(Tangled { point: vertices[k] });
-    }
-    if cdt.num_vertices() != vertices.len() || cdt.num_constraints() != edges.len() {
-        let is_edge = |a: u32, b: u32| edges.binary_search(&[a.min(b), a.max(b)]).is_ok();
-        let stray = cdt.undirected_edges().filter(|e| e.is_constraint_edge()).find_map(|e| {
-            let [a, b] = e.vertices().map(|v| vertices.get(v.fix().index()).copied().unwrap_or(0));
-            (!is_edge(a, b)).then_some(a)
-        });
-        return Err(Tangled { point: stray.unwrap_or(vertices[0]) });
-    }
-    Ok(cdt)
+    let number = |v: u32| vertices.binary_search(&v).unwrap_or(0);
+    let constraints: Vec<[usize; 2]> = edges.iter().map(|e| e.map(number)).collect();
+    let places = vertices.iter().map(|&v| projection.apply(&points[v as usize]));
+    Cdt::new(places, &constraints).map_err(|k| Tangled { point: vertices[k] })
 }
 
 /// Adds the chords that cross nothing; the exact arrangement cuts the others. A chord through a vertex is two, and so is one
@@ -166,20 +147,21 @@ fn add_chords(cdt: &mut Cdt, chords: &[[u32; 2]], vertices: &[u32], is_on: impl 
     let slots = chords.iter().rev().map(|c| c.map(|v| vertices.binary_search(&v)));
     let mut rest: Vec<[usize; 2]> = slots.filter_map(|c| if let [Ok(a), Ok(b)] = c { Some([a, b]) } else { None }).collect();
     while let Some(ends) = rest.pop() {
-        let [a, b] = ends.map(FixedVertexHandle::from_index);
+        let [a, b] = ends.map(|k| cdt.handle(k));
+        let cdt = &mut cdt.spade;
         if cdt.exists_constraint(a, b) {
             continue;
         }
         let met = LineIntersectionIterator::new_from_handles(cdt, a, b).find_map(|met| match met {
-            Intersection::VertexIntersection(v) => Some(v.fix()).filter(|v| *v != a && *v != b),
+            Intersection::VertexIntersection(v) => Some(slot(v)).filter(|v| !ends.contains(v)),
             _ => None,
         });
-        let passed = met.map(|v| v.index()).or_else(|| {
+        let passed = met.or_else(|| {
             let [new] = cdt.try_add_constraint(a, b)[..] else { return None };
             // Of all vertices on its side, the one nearest to lying on the chord makes a triangle with it.
             let chord = cdt.directed_edge(new);
             let inner = [chord, chord.rev()].into_iter().filter(|e| !e.is_outer_edge());
-            let passed = inner.map(|e| e.next().to().fix().index()).find(|&v| is_on(v, ends));
+            let passed = inner.map(|e| slot(e.next().to())).find(|&v| is_on(v, ends));
             if passed.is_some() {
                 cdt.remove_constraint_edge(new.as_undirected());
             }
@@ -198,7 +180,7 @@ struct Pieces {
 }
 
 impl Pieces {
-    fn new(cdt: &Cdt) -> Self {
+    fn new(cdt: &Spade) -> Self {
         let mut pieces = Self { of: vec![u32::MAX; cdt.num_all_faces()], count: 1 };
         pieces.of[cdt.outer_face().index()] = 0;
         // The outside continues over hull edges that belong to nobody.
@@ -215,7 +197,7 @@ impl Pieces {
         pieces
     }
     /// Numbers everything that is reached from a face without crossing a constraint; false if it has a number.
-    fn flood(&mut self, cdt: &Cdt, seed: FixedFaceHandle<InnerTag>, number: u32) -> bool {
+    fn flood(&mut self, cdt: &Spade, seed: FixedFaceHandle<InnerTag>, number: u32) -> bool {
         if self.of[seed.index()] != u32::MAX {
             return false;
         }
@@ -241,7 +223,7 @@ impl Pieces {
     }
 
     /// Boundary walks of all pieces, each piece to the left.
-    fn loops(&self, cdt: &Cdt, drafts: &mut [Draft], name: &impl Fn(FixedVertexHandle) -> u32) {
+    fn loops(&self, cdt: &Spade, drafts: &mut [Draft], name: &impl Fn(Vertex) -> u32) {
         let mut is_done = vec![false; cdt.num_directed_edges()];
         for start in cdt.directed_edges() {
             if is_done[start.fix().index()] || !self.is_border(&start) || drafts[self.left(&start) as usize].owners.is_empty() {
@@ -250,7 +232,7 @@ impl Pieces {
             let (mut walk, mut e) = (Vec::new(), start);
             while !is_done[e.fix().index()] {
                 is_done[e.fix().index()] = true;
-                walk.push(name(e.from().fix()));
+                walk.push(name(e.from()));
                 e = e.next();
                 while !self.is_border(&e) {
                     e = e.rev().next();
@@ -261,11 +243,11 @@ impl Pieces {
     }
 
     /// Edges and points inside pieces.
-    fn inner(&self, cdt: &Cdt, drafts: &mut [Draft], name: &impl Fn(FixedVertexHandle) -> u32) {
+    fn inner(&self, cdt: &Spade, drafts: &mut [Draft], name: &impl Fn(Vertex) -> u32) {
         for e in cdt.undirected_edges().filter(|e| e.is_constraint_edge()).map(|e| e.as_directed()) {
             let draft = &mut drafts[self.left(&e) as usize];
             if !self.is_border(&e) && !draft.owners.is_empty() {
-                let [a, b] = [name(e.from().fix()), name(e.to().fix())];
+                let [a, b] = [name(e.from()), name(e.to())];
                 draft.chains.push([a.min(b), a.max(b)]);
             }
         }
@@ -273,7 +255,7 @@ impl Pieces {
             if let Some(e) = v.out_edge() {
                 let draft = &mut drafts[self.left(&e) as usize];
                 if !draft.owners.is_empty() {
-                    draft.lone.push(name(v.fix()));
+                    draft.lone.push(name(v));
                 }
             }
         }
@@ -281,7 +263,7 @@ impl Pieces {
 }
 
 /// The members that cover each piece: crossing a border of a member from its right to its left enters it.
-fn label(cdt: &Cdt, pieces: &Pieces, borders: &[Border], vertices: &[u32]) -> Vec<Vec<u32>> {
+fn label(cdt: &Spade, pieces: &Pieces, borders: &[Border], vertices: &[u32]) -> Vec<Vec<u32>> {
     let mut doors: Vec<Vec<u32>> = vec![Vec::new(); pieces.count];
     for e in cdt.directed_edges().filter(|e| pieces.is_border(e)) {
         doors[pieces.left(&e) as usize].push(e.fix().index() as u32);
@@ -298,7 +280,7 @@ fn label(cdt: &Cdt, pieces: &Pieces, borders: &[Border], vertices: &[u32]) -> Ve
                 continue;
             }
             let mut label = labels[piece].clone().unwrap_or_default();
-            let [a, b] = [e.from(), e.to()].map(|v| vertices[v.fix().index()]);
+            let [a, b] = [e.from(), e.to()].map(|v| vertices[slot(v)]);
             let key = [a.min(b), a.max(b)];
             let first = borders.partition_point(|x| x.ends < key);
             for border in borders[first..].iter().take_while(|x| x.ends == key) {

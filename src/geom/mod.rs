@@ -3,6 +3,7 @@
 pub mod aabb;
 pub mod bvh;
 pub mod cast;
+pub(crate) mod cdt;
 pub mod dd;
 pub mod embedding;
 pub mod hash;

@@ -1,10 +1,10 @@
 //! Planar polygons with holes: normal, area, triangulation.
 
 use super::Vec3;
+use super::cdt::{Cdt, Face, HalfEdge, slot};
 use super::hash::IndexMap;
 use super::predicates::{Projection, orient2d};
-use spade::handles::{DirectedEdgeHandle, FaceHandle, FixedVertexHandle, InnerTag};
-use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
+use spade::Triangulation;
 
 /// Vector area of a polygon given by its loops (outer counter-clockwise about the result, holes clockwise): half the sum of
 /// the cross products, taken about the first vertex so that far-away polygons lose no digits. (Thesis 4.3: the normal of a
@@ -184,44 +184,20 @@ fn triangulate_general(
         .collect();
     vertices.sort_unstable();
     vertices.dedup();
-    let slot = |v: u32| vertices.binary_search(&v).unwrap_or(0);
+    let number = |v: u32| vertices.binary_search(&v).unwrap_or(0);
     let boundary: Vec<[usize; 2]> =
-        loops.iter().flat_map(|w| (0..w.len()).map(move |k| [w[k], w[(k + 1) % w.len()]].map(slot))).collect();
+        loops.iter().flat_map(|w| (0..w.len()).map(move |k| [w[k], w[(k + 1) % w.len()]].map(number))).collect();
     let edges: Vec<[usize; 2]> =
-        boundary.iter().copied().chain(chains.iter().map(|c| c.map(slot))).filter(|[a, b]| a != b).collect();
+        boundary.iter().copied().chain(chains.iter().map(|c| c.map(number))).filter(|[a, b]| a != b).collect();
     let at: Vec<[f64; 2]> = vertices.iter().map(|&v| flat(v)).collect();
-    let cdt = match constrained(&on_grid(&at), &edges).filter(|cdt| is_embedded(cdt, &at)) {
+    let cdt = match Cdt::new(on_grid(&at), &edges).ok().filter(|cdt| is_embedded(cdt, &at)) {
         Some(cdt) => cdt,
-        None => constrained(&at, &edges).ok_or(PolygonError::NotSimple)?,
+        None => Cdt::new(at, &edges).map_err(|_| PolygonError::NotSimple)?,
     };
     let inside = inside(&cdt, &boundary);
-    let triangles: Vec<[u32; 3]> = cdt
-        .inner_faces()
-        .filter(|f| inside[f.index()])
-        .map(|f| f.vertices().map(|v| vertices[FixedVertexHandle::index(&v.fix())]))
-        .collect();
+    let faces = cdt.spade.inner_faces().filter(|f| inside[f.index()]);
+    let triangles: Vec<[u32; 3]> = faces.map(|f| f.vertices().map(|v| vertices[slot(v)])).collect();
     if triangles.is_empty() { Err(PolygonError::Flat) } else { Ok(triangles) }
-}
-
-pub(crate) type Cdt = ConstrainedDelaunayTriangulation<Point2<f64>>;
-
-/// The triangulation with all these edges; `None` if they cross or overlap.
-fn constrained(at: &[[f64; 2]], edges: &[[usize; 2]]) -> Option<Cdt> {
-    // Flush what spade would refuse as too small; orientation is checked exactly afterwards.
-    let tidy = |x: f64| if x.abs() < spade::MIN_ALLOWED_VALUE { 0.0 } else { x };
-    let positions: Vec<Point2<f64>> = at.iter().map(|p| Point2::new(tidy(p[0]), tidy(p[1]))).collect();
-    let mut is_simple = true;
-    let cdt = Cdt::try_bulk_load_cdt(positions, edges.to_vec(), |_| is_simple = false).ok()?;
-    (is_simple && cdt.num_vertices() == at.len() && has_edges(&cdt, edges)).then_some(cdt)
-}
-
-/// Whether these are edges of the triangulation, and none has become two because it passes through a vertex. (Asking for them
-/// one by one would go round a vertex as often as it has edges.)
-pub(crate) fn has_edges(cdt: &Cdt, edges: &[[usize; 2]]) -> bool {
-    let sorted = |[a, b]: [usize; 2]| [a.min(b), a.max(b)];
-    let mut there: Vec<[usize; 2]> = cdt.undirected_edges().map(|e| sorted(e.vertices().map(|v| v.fix().index()))).collect();
-    there.sort_unstable();
-    edges.iter().all(|&e| there.binary_search(&sorted(e)).is_ok())
 }
 
 /// Steps of a grid over a figure: so few that a place moved by half a step is clearly off the circle through three others. The
@@ -241,14 +217,10 @@ fn on_grid(at: &[[f64; 2]]) -> Vec<[f64; 2]> {
 /// Whether a triangulation of other places is one of these too: all triangles turn left, and so does the hull.
 fn is_embedded(cdt: &Cdt, at: &[[f64; 2]]) -> bool {
     let turn = |ends: [usize; 3]| orient2d(at[ends[0]], at[ends[1]], at[ends[2]]);
-    let is_left = |f: FaceHandle<InnerTag, Point2<f64>, (), spade::CdtEdge<()>, ()>| {
-        turn(f.vertices().map(|v| FixedVertexHandle::index(&v.fix()))) > 0
-    };
+    let is_left = |f: Face| turn(f.vertices().map(slot)) > 0;
     // The hull runs clockwise about the outer face.
-    let is_convex = |e: DirectedEdgeHandle<Point2<f64>, (), spade::CdtEdge<()>, ()>| {
-        turn([e.from(), e.to(), e.next().to()].map(|v| FixedVertexHandle::index(&v.fix()))) <= 0
-    };
-    cdt.inner_faces().all(is_left) && cdt.convex_hull().all(is_convex)
+    let is_convex = |e: HalfEdge| turn([e.from(), e.to(), e.next().to()].map(slot)) <= 0;
+    cdt.spade.inner_faces().all(is_left) && cdt.spade.convex_hull().all(is_convex)
 }
 
 /// For each face whether the boundary winds round it.
@@ -260,6 +232,7 @@ fn inside(cdt: &Cdt, boundary: &[[usize; 2]]) -> Vec<bool> {
         *winding.entry((a, b)).or_insert(0) += 1;
         *winding.entry((b, a)).or_insert(0) -= 1;
     }
+    let cdt = &cdt.spade;
     let mut number = vec![None; cdt.num_all_faces()];
     number[cdt.outer_face().index()] = Some(0i32);
     let mut stack: Vec<_> = cdt.convex_hull().map(|e| if e.is_outer_edge() { e.rev() } else { e }).collect();
@@ -269,7 +242,7 @@ fn inside(cdt: &Cdt, boundary: &[[usize; 2]]) -> Vec<bool> {
             continue;
         }
         let from = number[e.rev().face().index()].unwrap_or(0);
-        let step = winding.get(&(e.from().fix().index(), e.to().fix().index())).copied().unwrap_or(0);
+        let step = winding.get(&(slot(e.from()), slot(e.to()))).copied().unwrap_or(0);
         number[face.index()] = Some(from + step);
         stack.extend(face.adjacent_edges().iter().map(|e| e.rev()));
     }

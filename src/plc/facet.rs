@@ -2,11 +2,12 @@
 
 use super::PlcFacet;
 use crate::geom::Vec3;
-use crate::geom::polygon::{Cdt, PolygonError, has_edges, triangulate, vector_area};
+use crate::geom::cdt::{self, Cdt};
+use crate::geom::polygon::{PolygonError, triangulate, vector_area};
 use crate::geom::predicates::{Projection, orient2d};
 use crate::geom::union_find::UnionFind;
 use spade::handles::{FixedFaceHandle, PossiblyOuterTag};
-use spade::{Point2, PositionInTriangulation, Triangulation};
+use spade::{PositionInTriangulation, Triangulation};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A facet as TetGen understands it.
@@ -122,29 +123,19 @@ pub fn strays(facet: &PlcFacet, triangles: &[[u32; 3]]) -> Strays {
 /// Constrained Delaunay triangulation of all segments, without what is reached from outside or from a hole point.
 fn enclosed(facet: &PlcFacet, points: &[Vec3], projection: Projection) -> Result<Area, PolygonError> {
     let vertices: Vec<u32> = facet.polygons.iter().flatten().copied().collect::<BTreeSet<_>>().into_iter().collect();
-    // Flush what spade would refuse as too small.
-    let tidy = |x: f64| if x.abs() < spade::MIN_ALLOWED_VALUE { 0.0 } else { x };
-    let flat = |p: &Vec3| {
-        let [x, y] = projection.apply(p);
-        Point2::new(tidy(x), tidy(y))
-    };
-    let positions: Vec<Point2<f64>> = vertices.iter().map(|&v| flat(&points[v as usize])).collect();
-    let slot = |v: u32| vertices.binary_search(&v).unwrap_or(0);
+    let flat = |p: &Vec3| projection.apply(p);
+    let number = |v: u32| vertices.binary_search(&v).unwrap_or(0);
     let listed: BTreeSet<[u32; 2]> = facet.polygons.iter().flat_map(|w| segments_of(w)).collect();
-    let segments: Vec<[usize; 2]> = listed.into_iter().map(|s| s.map(slot)).collect();
-    let mut is_simple = true;
-    let cdt =
-        Cdt::try_bulk_load_cdt(positions, segments.clone(), |_| is_simple = false).map_err(|_| PolygonError::NotSimple)?;
-    if !is_simple || cdt.num_vertices() != vertices.len() || !has_edges(&cdt, &segments) {
-        return Err(PolygonError::NotSimple);
-    }
+    let segments: Vec<[usize; 2]> = listed.into_iter().map(|s| s.map(number)).collect();
+    let places = vertices.iter().map(|&v| flat(&points[v as usize]));
+    let Cdt { spade: cdt, .. } = Cdt::new(places, &segments).map_err(|_| PolygonError::NotSimple)?;
     let mut area = Area::default();
     let mut is_gone = vec![false; cdt.num_all_faces()];
     carve(&cdt, &mut is_gone, vec![cdt.outer_face().fix()]);
     let mut stack = Vec::new();
     let is_outside = is_gone.clone();
     for hole in &facet.holes {
-        let face = match cdt.locate(flat(hole)) {
+        let face = match cdt.locate(cdt::place(flat(hole))) {
             PositionInTriangulation::OnFace(f) => Some(cdt.face(f).adjacent_edges()[0].face().fix()),
             PositionInTriangulation::OnEdge(e) if !cdt.directed_edge(e).is_constraint_edge() => {
                 Some(cdt.directed_edge(e).face().fix())
@@ -162,12 +153,12 @@ fn enclosed(facet: &PlcFacet, points: &[Vec3], projection: Projection) -> Result
     }
     carve(&cdt, &mut is_gone, stack);
     let inner = cdt.inner_faces().filter(|f| !is_gone[f.index()]);
-    area.triangles = inner.map(|f| f.vertices().map(|v| vertices[v.fix().index()])).collect();
+    area.triangles = inner.map(|f| f.vertices().map(|v| vertices[cdt::slot(v)])).collect();
     if area.triangles.is_empty() { Err(PolygonError::Flat) } else { Ok(area) }
 }
 
 /// Marks what is reached from these faces without crossing a segment.
-fn carve(cdt: &Cdt, is_gone: &mut [bool], mut stack: Vec<FixedFaceHandle<PossiblyOuterTag>>) {
+fn carve(cdt: &cdt::Spade, is_gone: &mut [bool], mut stack: Vec<FixedFaceHandle<PossiblyOuterTag>>) {
     while let Some(f) = stack.pop() {
         if std::mem::replace(&mut is_gone[f.index()], true) {
             continue;
