@@ -150,6 +150,11 @@ impl Generator {
         format!("Translate(by: ({x:?}, {y:?}, {z:?}), solid: {moved})")
     }
 
+    /// The beginning of an import. The tolerance of an STL file would change volumes by more than is asked here.
+    fn import(&mut self) -> String {
+        format!("Import(file: \"{}\", tolerance: 1e-9", file(self.below(FILES)))
+    }
+
     /// Copies that touch, overlap or stand apart.
     fn pattern(&mut self) -> String {
         let solid = self.rich_solid();
@@ -166,7 +171,7 @@ impl Generator {
         let (r, h) = (self.round(1, 2), self.round(1, 3));
         let round = self.division();
         match self.below(9) {
-            0..=2 => format!("Import(file: \"{}\", scale: {:?})", file(self.below(FILES)), self.round(1, 2)),
+            0..=2 => format!("{}, scale: {:?})", self.import(), self.round(1, 2)),
             3 => format!("Ellipsoid(radii: ({r:?}, {:?}, 1), {round})", self.round(1, 2)),
             4 => format!(
                 "Extrude(profile: RoundedRectangle(size: (3, {:?}), center: (0, 0), radius: 0.5), \
@@ -182,7 +187,7 @@ impl Generator {
             ),
             6 => format!(
                 "Sweep(profile: Rectangle(size: (0.5, 1), center: (0, 0)), path: Path(start: (1, 0), \
-                 segments: [Arc(to: (0, 1), center: (0, 0)), Line(to: ({:?}, 1))]), {round})",
+                 segments: [Arc(to: (0, 1), center: (0, 0)), Line(to: ({:?}, 1))], closed: false), {round})",
                 -h
             ),
             7 => format!("Prism(polygon: [(0, 0), (2, 0), (2, {r:?}), (1, 0.5), (0, {r:?})], height: {h:?})"),
@@ -199,7 +204,7 @@ impl Generator {
             1 => format!("Sphere(radius: 1, {round})"),
             2 => format!("Cylinder(radius: 1, height: 2, base: (0, 0, -1), {round})"),
             3 => format!("Ellipsoid(radii: (1, 2, 1.5), {round})"),
-            _ => format!("Import(file: \"{}\")", file(self.below(FILES))),
+            _ => format!("{})", self.import()),
         };
         let core = self.turned(&core);
         let mut sizes = vec![2f64];
