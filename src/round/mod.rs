@@ -161,6 +161,12 @@ fn settle(
         let Ok(draft) = repair::cut_again(complex, reach) else { break };
         fill(complex, draft, reach)?;
         checked = check(complex, parts);
+        if let Err(faults) = &checked
+            && let Some(draft) = repair::join_edges(complex, faults, reach)
+        {
+            fill(complex, draft, reach)?;
+            checked = check(complex, parts);
+        }
         repairs.rounds += 1;
     }
     Ok((repairs, checked))
