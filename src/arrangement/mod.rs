@@ -177,7 +177,7 @@ pub fn arrange(input: &Conforming) -> Arrangement<'_> {
         mesh.near.clear();
     }
     mesh.number_edges();
-    let mut points = Points::new(&input.points);
+    let mut points = Points::new(&input.points, &input.bounds);
     let mut graph = graph::Graph::new(&mesh, &contacts.found, &mut points);
     crossings::cut(&mesh, &mut graph, &mut points);
     graph.sort_curves(&mesh, &points);

@@ -130,7 +130,8 @@ impl Exact {
 /// `tolerance`: that of the contact step, in the scene's unit; `size`: that of the model.
 pub fn round(exact: Exact, solids: &[Solid], tolerance: f64, size: f64) -> Result<Rounded, Diagnostic> {
     let Exact { mut complex, mut draft, mut part_of_volume } = exact;
-    let reach = PLANAR_ULPS * f64::EPSILON * draft.places.iter().fold(size, |m, p| m.max(p.amax()));
+    let used = draft.loops.iter().flatten().flatten().map(|&p| &draft.places[p as usize]);
+    let reach = PLANAR_ULPS * f64::EPSILON * used.fold(size, |m, p| m.max(p.amax()));
     dissolve::dissolve(&mut draft.loops, &draft.places, tolerance.max(reach));
     fill(&mut complex, draft, reach)?;
     let (repairs, checked) = settle(&mut complex, &mut part_of_volume, reach)?;
