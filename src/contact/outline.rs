@@ -3,9 +3,11 @@
 use super::edges::EdgeSet;
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
+use crate::geom::lists::Lists;
 use crate::geom::polygon::vector_area;
 use crate::geom::predicates::{Projection, orient2d};
 use crate::geom::segment::nearest_on;
+use std::ops::RangeInclusive;
 
 /// An active facet.
 pub(super) struct Outline {
@@ -31,9 +33,54 @@ struct Index {
     sides: Vec<[u32; 2]>,
     /// Points, sorted.
     corners: Vec<u32>,
-    /// Sides as they came, seen along the projection.
-    figure: Vec<[[f64; 2]; 2]>,
+    /// Sides as they came.
+    figure: Slabs,
 }
+
+/// Sides of loops, seen along a projection, by the slabs across its second axis that they reach.
+struct Slabs {
+    sides: Vec<[u32; 2]>,
+    last: u32,
+    low: f64,
+    /// Slabs per length.
+    scale: f64,
+    of: Lists,
+}
+
+impl Slabs {
+    /// As many slabs as keep the entries few: O(n), though sides may be long.
+    fn new(loops: &[Vec<u32>], flat: impl Fn(u32) -> [f64; 2]) -> Self {
+        let sides: Vec<[u32; 2]> = sides(loops).collect();
+        let reach = |side: &[u32; 2]| {
+            let [a, b] = side.map(|v| flat(v)[1]);
+            [a.min(b), a.max(b)]
+        };
+        let [low, high] =
+            sides.iter().map(reach).fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], [a, b]| [l.min(a), h.max(b)]);
+        let length: f64 = sides.iter().map(reach).map(|[a, b]| b - a).sum();
+        let most = sides.len() as f64;
+        let count = (ENTRIES * most * (high - low) / length).clamp(1.0, most.max(1.0)).floor();
+        let mut slabs = Self { last: count as u32, low, scale: count / (high - low), of: Lists::default(), sides };
+        let range = |side: &[u32; 2]| slabs.range(reach(side));
+        let entries = slabs.sides.iter().zip(0u32..).flat_map(|(side, k)| range(side).map(move |slab| (slab, k)));
+        slabs.of = Lists::from_iter(count as usize + 1, entries);
+        slabs
+    }
+
+    /// The slabs that an interval reaches. What is beside all sides may be sought in any slab.
+    fn range(&self, [low, high]: [f64; 2]) -> RangeInclusive<u32> {
+        let slab = |y: f64| (((y - self.low) * self.scale).max(0.0) as u32).min(self.last);
+        slab(low)..=slab(high)
+    }
+
+    /// Sides of which some part may lie in an interval; those of several slabs come more than once.
+    fn near(&self, interval: [f64; 2]) -> impl Iterator<Item = [u32; 2]> + '_ {
+        self.range(interval).flat_map(|slab| self.of.of(slab)).map(|&k| self.sides[k as usize])
+    }
+}
+
+/// Entries of sides in slabs, per side: most sides are short, and lie in one or two.
+const ENTRIES: f64 = 2.0;
 
 impl Index {
     fn new(loops: &[Vec<u32>], frame: &[Vec<u32>], flat: impl Fn(u32) -> [f64; 2]) -> Self {
@@ -41,7 +88,7 @@ impl Index {
         edges.sort_unstable();
         let mut corners = loops.concat();
         corners.sort_unstable();
-        Self { sides: edges, corners, figure: sides(frame).map(|side| side.map(&flat)).collect() }
+        Self { sides: edges, corners, figure: Slabs::new(frame, flat) }
     }
 }
 
@@ -103,7 +150,7 @@ impl Outline {
         let is_crossed = |[a, b]: [[f64; 2]; 2]| (a[1] > q[1]) != (b[1] > q[1]) && (orient2d(a, b, q) > 0) == (b[1] > a[1]);
         let flat = |v: u32| self.projection.apply(&points[v as usize]);
         let crossed = match &self.index {
-            Some(index) => index.figure.iter().filter(|side| is_crossed(**side)).count(),
+            Some(index) => index.figure.near([q[1]; 2]).filter(|side| is_crossed(side.map(flat))).count(),
             None => sides(self.frame()).filter(|side| is_crossed(side.map(flat))).count(),
         };
         crossed % 2 == 1
@@ -119,7 +166,16 @@ impl Outline {
         let [a, b] = ends.map(|v| points[v as usize]);
         let middle = (a + b) * 0.5;
         let is_clear = |[a, b]: [u32; 2]| !is_within(&[points[a as usize], points[b as usize]], &middle, tolerance);
-        !self.has_side(ends) && self.encloses(&middle, points) && sides(self.frame()).all(is_clear)
+        if self.has_side(ends) || !self.encloses(&middle, points) {
+            return false;
+        }
+        match &self.index {
+            Some(index) => {
+                let height = self.projection.apply(&middle)[1];
+                index.figure.near([height - 2.0 * tolerance, height + 2.0 * tolerance]).all(is_clear)
+            }
+            None => sides(self.frame()).all(is_clear),
+        }
     }
     /// Whether all points of `other` lie within `tolerance` of the plane.
     pub fn is_level_with(&self, other: &Self, tolerance: f64, points: &[Vec3]) -> bool {
@@ -154,4 +210,45 @@ pub(super) fn sides<'a, W: AsRef<[u32]> + ?Sized + 'a>(
 ) -> impl Iterator<Item = [u32; 2]> {
     let ends = |w: &'a [u32]| (0..w.len()).map(move |k| [w[k], w[(k + 1) % w.len()]]);
     loops.into_iter().flat_map(move |w| ends(w.as_ref()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A comb with teeth of all heights, more of them than a short outline has corners.
+    #[test]
+    fn long_outlines_enclose_what_short_ones_do() {
+        let teeth = 40u32;
+        let mut points = vec![Vec3::new(0.0, -1.0, 0.0), Vec3::new(f64::from(teeth), -1.0, 0.0)];
+        for k in (0..teeth).rev() {
+            let (x, height) = (f64::from(k), f64::from(1 + k * 7 % 13));
+            points.extend(
+                [(x + 0.75, 0.0), (x + 0.75, height), (x + 0.25, height), (x + 0.25, 0.0)].map(|(x, y)| Vec3::new(x, y, 0.0)),
+            );
+        }
+        let walk: Vec<u32> = (0..points.len() as u32).collect();
+        let outline = Outline::new(0, vec![walk.clone()], None, &points);
+        let plain = Outline { index: None, ..Outline::new(0, vec![walk], None, &points) };
+        let mut inside = 0;
+        for i in 0..8 * teeth {
+            for j in 0..60 {
+                let p = Vec3::new(f64::from(i) / 8.0 + 0.06, f64::from(j) / 4.0 - 1.3, 0.0);
+                assert_eq!(outline.encloses(&p, &points), plain.encloses(&p, &points), "{p:?}");
+                inside += u32::from(plain.encloses(&p, &points));
+            }
+        }
+        assert!(inside > 1000);
+        // From tooth to tooth below their feet, and up a tooth; past the edge of a foot within the tolerance.
+        let across = [(2, 9), (2, 5), (3, 4), (2, 3), (6, 13), (5, 6)];
+        for (a, b) in across {
+            for tolerance in [1e-9, 0.3, 2.0] {
+                assert_eq!(
+                    outline.is_chord([a, b], tolerance, &points),
+                    plain.is_chord([a, b], tolerance, &points),
+                    "{a} {b} {tolerance}"
+                );
+            }
+        }
+    }
 }
