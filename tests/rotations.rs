@@ -104,7 +104,7 @@ fn size(complex: &Complex) -> f64 {
 /// by no round number: without that, a symmetrical scene would be one sample (straight sphere grids take 10100 to 12300
 /// tetrahedra, moved like this; turned ones 10400 to 13700, and one of seven 17000).
 fn straight(count: u64, size: f64) -> impl Iterator<Item = Affine> {
-    let by = |k: u64| Vec3::new(0.0317, -0.0541, 0.0713) * (k as f64 * size);
+    let by = move |k: u64| Vec3::new(0.0317, -0.0541, 0.0713) * (k as f64 * size);
     (0..count).map(move |k| translation(by(k)) * cyclic()[k as usize % 3])
 }
 

@@ -117,12 +117,6 @@ impl<'a> Body<'a> {
         let vertices = &self.solids[self.leaf_of_facet[facet as usize] as usize].vertices;
         Aabb::around(self.own_loops(facet).outer().iter().map(|&v| &vertices[v as usize].point))
     }
-    /// The box of a facet over welded points.
-    pub fn welded_bounds(&self, facet: u32) -> Aabb {
-        let ids = self.points_of_leaf(self.leaf_of_facet[facet as usize]);
-        let outer = self.own_loops(facet).outer().iter();
-        Aabb::around(outer.map(|&v| &self.points[ids[v as usize] as usize]))
-    }
     /// A facet as the owner of a cell.
     pub fn owner(&self, facet: u32, is_flipped: bool) -> Owner {
         let leaf = self.leaf(facet);
