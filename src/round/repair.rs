@@ -67,7 +67,7 @@ pub fn join_edges(complex: &Complex, faults: &[Fault], reach: f64) -> Option<Dra
     let met: Vec<[usize; 2]> = faults.iter().map(|fault| fault.facets.map(Id::index)).collect();
     let changed = touching::cut(&mut loops, &met, &places, reach);
     let facets = complex.facets.iter().map(Lineage::of).collect();
-    (!changed.is_empty()).then(|| Draft { facets, loops, explicit: places.len(), places })
+    (!changed.is_empty()).then_some(Draft { facets, loops, explicit: places.len(), places })
 }
 
 /// Makes one region of regions of one part that touch: the facets between them would be nothing's border.
