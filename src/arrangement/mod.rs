@@ -60,7 +60,7 @@ pub struct Statistics {
     pub contacts: u64,
     /// Points made.
     pub intersection_points: u64,
-    /// Signs of implicit points.
+    /// Signs and equalities of implicit points.
     pub signs: u64,
     /// Those that needed big integers.
     pub exact_signs: u64,

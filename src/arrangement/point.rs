@@ -73,7 +73,7 @@ impl Place {
 /// How often signs needed which stage.
 #[derive(Debug, Default)]
 pub struct SignCounts {
-    /// All signs of implicit points.
+    /// All signs and equalities of implicit points.
     pub all: AtomicU64,
     /// Those decided by big integers.
     pub exact: AtomicU64,
@@ -252,6 +252,8 @@ impl<'a> Points<'a> {
                 let p = next;
                 next = self.previous[p as usize];
                 if self.may_be(p, &place) {
+                    self.counts.all.fetch_add(1, Memory::Relaxed);
+                    self.counts.exact.fetch_add(1, Memory::Relaxed);
                     let mine = exact.get_or_insert_with(|| self.integers().place(&source));
                     if is_same(mine, &self.exact(p)) {
                         return p;
@@ -370,6 +372,9 @@ impl<'a> Points<'a> {
         let [(pa, ea), (pb, eb)] = [a, b].map(|p| self.rounded(p));
         let difference = pa[axis] - pb[axis];
         let error = ea + eb;
+        if error != 0.0 {
+            self.counts.all.fetch_add(1, Memory::Relaxed);
+        }
         if error == 0.0 || difference.abs() > error * (1.0 + 4.0 * f64::EPSILON) {
             return difference.partial_cmp(&0.0).unwrap_or(Ordering::Equal);
         }
