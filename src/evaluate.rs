@@ -50,6 +50,7 @@ use crate::report::timing::Timings;
 use crate::round::{self, Exact, Repairs, Rounded};
 use crate::scene::model::{Policy, Scene};
 use crate::select;
+use size::Extent;
 
 /// A valid complex and how it came about.
 #[derive(Debug)]
@@ -76,27 +77,27 @@ const FINER: [f64; 2] = [1e-3, 1e-6];
 /// Contacts that cannot be resolved, parts without volume, forbidden overlaps and gaps, a result that rounding breaks; all that
 /// the failing step found.
 pub fn evaluate(scene: &Scene, solids: &[Solid], timings: &mut Timings) -> Outcome<Evaluation> {
-    let size = size::of(scene, solids);
-    let culled = timings.measure("cull", || cull::cull(scene, solids, scene.tolerance * size));
+    let extent = size::of(scene, solids);
+    let culled = timings.measure("cull", || cull::cull(scene, solids, scene.tolerance * extent.size));
     // What is wrong with the pieces may be right with the whole.
     if let Some(culled) = culled
-        && let Ok(evaluation) = evaluate_pieces(scene, solids, Some(&culled), size, timings)
+        && let Ok(evaluation) = evaluate_pieces(scene, solids, Some(&culled), extent, timings)
     {
         return Ok(evaluation);
     }
-    evaluate_pieces(scene, solids, None, size, timings)
+    evaluate_pieces(scene, solids, None, extent, timings)
 }
 
 fn evaluate_pieces(
     scene: &Scene,
     solids: &[Solid],
     culled: Option<&Culled>,
-    size: f64,
+    extent: Extent,
     timings: &mut Timings,
 ) -> Outcome<Evaluation> {
     let single = |d: Diagnostic| vec![d];
     let (cut, pieces) = culled.map_or((solids, &[][..]), |c| (&c.solids, &c.pieces));
-    let (mut conforming, mut warnings) = timings.measure("contact", || conform(scene, cut, pieces, size))?;
+    let (mut conforming, mut warnings) = timings.measure("contact", || conform(scene, cut, pieces, extent))?;
     let tolerance = conforming.tolerance;
     // A gap that is forbidden must not hide an overlap that is.
     let (found, errors) = match timings.measure("gaps", || findings::gaps(scene, cut, &conforming)) {
@@ -111,7 +112,7 @@ fn evaluate_pieces(
         owner.facet = pieces.get(owner.leaf.index()).map_or(owner.facet, |p| p[owner.facet as usize].facet);
     }
     let (exact, statistics) = choose(scene, solids, conforming, &mut warnings, errors, timings)?;
-    let rounded = timings.measure("round", || round::round(exact, solids, tolerance, size)).map_err(single)?;
+    let rounded = timings.measure("round", || round::round(exact, solids, tolerance, extent.size)).map_err(single)?;
     match rounded {
         Rounded::Valid { complex, repairs } => Ok(Evaluation { complex, statistics, repairs, tolerance, warnings }),
         Rounded::Broken { complex, faults } => Err(findings::broken(scene, &complex, &faults)),
@@ -143,12 +144,12 @@ fn choose(
 }
 
 /// Welds and imprints with the tolerance of the scene, or where features come near it with a smaller one.
-fn conform(scene: &Scene, solids: &[Solid], pieces: &[Vec<Piece>], size: f64) -> Outcome<(Conforming, Vec<Diagnostic>)> {
+fn conform(scene: &Scene, solids: &[Solid], pieces: &[Vec<Piece>], extent: Extent) -> Outcome<(Conforming, Vec<Diagnostic>)> {
     let name = |leaf: LeafId| findings::leaf_name(scene, leaf);
-    let asked = scene.tolerance * size;
+    let asked = scene.tolerance * extent.size;
     let attempt = |share: f64| {
-        let own: Vec<Option<f64>> = scene.leaves.iter().map(|l| l.tolerance.map(|t| share * t * size)).collect();
-        contact::conform(solids, pieces, share * asked, &own, &name)
+        let own: Vec<Option<f64>> = scene.leaves.iter().map(|l| l.tolerance.map(|t| share * t * extent.size)).collect();
+        contact::conform(solids, pieces, share * asked, &own, &extent.bounds, &name)
     };
     let faults = match attempt(1.0) {
         Ok(conforming) => return Ok((conforming, Vec::new())),

@@ -2,10 +2,12 @@
 
 mod evaluated;
 
-use evaluated::{Built, build};
+use evaluated::{Built, build, build_in};
 use gsm::geom::Vec3;
 use gsm::geom::predicates::orient3d;
 use std::f64::consts::PI;
+use std::fs;
+use std::path::Path;
 
 /// Turns about axes that make no coordinate round.
 const TURNS: [&str; 4] = [
@@ -92,6 +94,19 @@ fn eleven_half_spaces_about_an_axis_cancel_without_a_trace() {
     all(&[("half", format!("Xor([{}])", blocks.join(", ")))], |built, turn| {
         assert_near(built.volumes[0], 27.0, turn);
         assert_eq!(built.counts(), [16, 10, 2], "{turn}");
+    });
+}
+
+#[test]
+fn twelve_wedges_meet_on_an_axis() {
+    // Each is a half without the next one: 30 degrees, a twelfth of 54.
+    let wedge = |k: u32| format!("Difference([{}, {}])", half(k), half(k + 1));
+    let names: Vec<String> = (0..12).map(|k| format!("wedge{k}")).collect();
+    let parts: Vec<(&str, String)> = names.iter().map(|n| &n[..]).zip((0..12).map(wedge)).collect();
+    all(&parts, |built, turn| {
+        built.volumes.iter().for_each(|v| assert_near(*v, 4.5, turn));
+        // Corners of the prism, ends of the walls and of the axis; each wedge has two caps and two pieces of sides.
+        assert_eq!(built.counts(), [24 + 24 + 2, 24 + 12 + 24, 13], "{turn}");
     });
 }
 
@@ -199,4 +214,38 @@ fn shells_of_a_millionth_of_the_size_are_kept() {
         let right = 8.0 * (1.0 - (1.0 - thin).powi(3));
         assert!((built.volumes[0] - right).abs() < 1e-9, "{turn}: {:?}, {right}", built.volumes);
     });
+}
+
+#[test]
+fn a_tool_much_larger_than_the_model_changes_no_tolerance() {
+    // A foil of 1e-7, cut at a quarter by a block of the largest size that a scene may have.
+    let foil = "Block(min: (0, 0, 0), max: (1, 1, 1e-7))";
+    let tool = "Block(min: (-1e9, -1e9, -1e9), max: (0.25, 1e9, 1e9))";
+    for (operation, right) in [("Difference", 0.75e-7), ("Intersection", 0.25e-7)] {
+        let built = build(&[("it", &format!("{operation}([{foil}, {tool}])")[..])]).unwrap();
+        assert_near(built.volumes[0], right, operation);
+    }
+}
+
+#[test]
+fn half_spaces_as_large_as_single_numbers_allow_cut_at_their_planes() {
+    // Files have them instead of half-spaces, such as the peers' Cray.
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let corners = |a: f64, b: f64, z: f64| format!("{a:?} {b:?} {z:?}\n");
+    let m = f64::from(f32::MAX);
+    let rims = [-m, -0.375].map(|z| [[-m, -m], [m, -m], [m, m], [-m, m]].map(|[a, b]| corners(a, b, z)).concat());
+    let facets = "4 3 2 1 0\n4 4 5 6 7\n4 0 1 5 4\n4 1 2 6 5\n4 2 3 7 6\n4 3 0 4 7\n";
+    fs::write(folder.join("half_space.off"), format!("OFF\n8 6 0\n{}{facets}", rims.concat())).unwrap();
+    let below = "Import(file: \"half_space.off\")";
+    let block = "Block(size: (2, 2, 2), center: (0, 0, 0))";
+    // The tilted edges of a pyramid cross the plane where nothing is round: at 5/16 of its height.
+    let pyramid = "Pyramid(sides: 4, radius: 2, height: 2, base: (0, 0, -1))";
+    let left = (11.0f64 / 16.0).powi(3);
+    for (solid, whole, above) in [(block, 8.0, 11.0 / 16.0), (pyramid, 16.0 / 3.0, left)] {
+        for (operation, share) in [("Difference", above), ("Intersection", 1.0 - above)] {
+            let text = format!("{operation}([{solid}, {below}])");
+            let built = build_in(folder, &[("it", &text[..])]).unwrap_or_else(|e| panic!("{e}"));
+            assert_near(built.volumes[0], share * whole, &text);
+        }
+    }
 }

@@ -60,7 +60,7 @@ pub struct Statistics {
     pub contacts: u64,
     /// Points made.
     pub intersection_points: u64,
-    /// Signs of implicit points.
+    /// Signs and equalities of implicit points.
     pub signs: u64,
     /// Those that needed big integers.
     pub exact_signs: u64,
@@ -177,7 +177,7 @@ pub fn arrange(input: &Conforming) -> Arrangement<'_> {
         mesh.near.clear();
     }
     mesh.number_edges();
-    let mut points = Points::new(&input.points);
+    let mut points = Points::new(&input.points, &input.bounds);
     let mut graph = graph::Graph::new(&mesh, &contacts.found, &mut points);
     crossings::cut(&mesh, &mut graph, &mut points);
     graph.sort_curves(&mesh, &points);

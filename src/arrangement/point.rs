@@ -6,6 +6,7 @@
 
 use super::exact::{self, ExactPoint, Integers};
 use crate::geom::Vec3;
+use crate::geom::aabb::Aabb;
 use crate::geom::dd::{self, Dd};
 use crate::geom::hash::IndexMap;
 use crate::geom::predicates::{self, Projection, Sign};
@@ -72,7 +73,7 @@ impl Place {
 /// How often signs needed which stage.
 #[derive(Debug, Default)]
 pub struct SignCounts {
-    /// All signs of implicit points.
+    /// All signs and equalities of implicit points.
     pub all: AtomicU64,
     /// Those decided by big integers.
     pub exact: AtomicU64,
@@ -87,7 +88,9 @@ pub struct Points<'a> {
     grid: IndexMap<[i64; 3], u32>,
     previous: Vec<u32>,
     cell: f64,
-    /// Rounded places worse than this are computed exactly instead.
+    /// Coordinates up to which cells have that size; farther out they grow with the coordinates.
+    near: f64,
+    /// Rounded places worse than this, and a few units in their last place, are computed exactly instead.
     worst: f64,
     /// Statistics.
     pub counts: SignCounts,
@@ -110,23 +113,27 @@ const GRID_OFFSET: [f64; 3] = [0.371, 0.433, 0.289];
 const WORST_ERROR: f64 = 1e-14;
 /// ... or, far from the origin, than this many units in the last place.
 const WORST_ULPS: f64 = 8.0;
+/// Places nearer to the origin than this many sizes lie in cells of one size.
+const NEAR: f64 = 1e3;
 /// Half a unit in the last place, relative.
 const ROUND: f64 = f64::EPSILON / 2.0;
 
 impl<'a> Points<'a> {
-    /// The store over explicit vertices.
-    pub fn new(explicit: &'a [Vec3]) -> Self {
-        let bounds = crate::geom::aabb::Aabb::around(explicit);
+    /// The store over explicit vertices; `bounds` are those of the model, whose size tells how exact a place has to be, or empty.
+    pub fn new(explicit: &'a [Vec3], bounds: &Aabb) -> Self {
+        let bounds = if bounds.is_empty() { Aabb::around(explicit) } else { *bounds };
         let size = bounds.diagonal().max(f64::MIN_POSITIVE);
         let far = if bounds.is_empty() { 0.0 } else { bounds.lo.amax().max(bounds.hi.amax()) };
+        let large = size.max(far / NEAR);
         Self {
             explicit,
             exponent: exact::common_exponent(explicit),
             implicit: Vec::new(),
             grid: IndexMap::default(),
             previous: Vec::new(),
-            cell: size.max(far * 1e-3) * GRID_FRACTION,
-            worst: size * WORST_ERROR + far * WORST_ULPS * f64::EPSILON,
+            cell: large * GRID_FRACTION,
+            near: large * NEAR,
+            worst: size * WORST_ERROR,
             counts: SignCounts::default(),
         }
     }
@@ -221,8 +228,8 @@ impl<'a> Points<'a> {
 
     /// Makes explicit vertices known to the interning table, so that an implicit point that falls on one gets its number.
     pub fn register(&mut self, vertex: u32) {
-        let key = self.key(&self.explicit[vertex as usize]);
-        self.put(key, vertex);
+        let at = &self.explicit[vertex as usize];
+        self.put(self.key(at, self.level(at.amax())), vertex);
     }
 
     fn put(&mut self, key: [i64; 3], point: u32) {
@@ -241,25 +248,21 @@ impl<'a> Points<'a> {
 
     /// As [`Points::intern`], with the place from [`Points::round`].
     pub fn intern_placed(&mut self, source: Source, place: Place) -> u32 {
-        let reach = Vec3::repeat(2.0 * (place.error + self.worst));
-        let (lo, hi) = (self.key(&(place.at - reach)), self.key(&(place.at + reach)));
         let mut exact = None;
-        for x in lo[0]..=hi[0] {
-            for y in lo[1]..=hi[1] {
-                for z in lo[2]..=hi[2] {
-                    let mut next = self.grid.get(&[x, y, z]).copied().unwrap_or(NONE);
-                    while next != NONE {
-                        let p = next;
-                        next = self.previous[p as usize];
-                        if self.may_be(p, &place) {
-                            if place.error == 0.0 && self.rounded(p).1 == 0.0 {
-                                return p;
-                            }
-                            let mine = exact.get_or_insert_with(|| self.integers().place(&source));
-                            if is_same(mine, &self.exact(p)) {
-                                return p;
-                            }
-                        }
+        for key in self.keys_near(&place) {
+            let mut next = self.grid.get(&key).copied().unwrap_or(NONE);
+            while next != NONE {
+                let p = next;
+                next = self.previous[p as usize];
+                if self.may_be(p, &place) {
+                    if place.error == 0.0 && self.rounded(p).1 == 0.0 {
+                        return p;
+                    }
+                    self.counts.all.fetch_add(1, Memory::Relaxed);
+                    self.counts.exact.fetch_add(1, Memory::Relaxed);
+                    let mine = exact.get_or_insert_with(|| self.integers().place(&source));
+                    if is_same(mine, &self.exact(p)) {
+                        return p;
                     }
                 }
             }
@@ -270,9 +273,34 @@ impl<'a> Points<'a> {
             let _ = cache.set(Box::new(exact));
         }
         self.implicit.push(Implicit { source, place, exact: cache });
-        let key = self.key(&place.at);
-        self.put(key, id);
+        self.put(self.key(&place.at, self.level(place.at.amax())), id);
         id
+    }
+
+    /// Cells of all places that may be the same point.
+    fn keys_near(&self, place: &Place) -> impl Iterator<Item = [i64; 3]> + use<> {
+        let (reach, far) = (2.0 * (place.error + self.worst_at(&place.at)), place.at.amax());
+        let cells = |level| {
+            let shift = Vec3::repeat(reach);
+            (self.key(&(place.at - shift), level), self.key(&(place.at + shift), level))
+        };
+        let levels = [self.level(far - reach), self.level(far + reach)];
+        // A place near the border of two levels has cells of both.
+        let ranges = [Some(cells(levels[0])), (levels[0] != levels[1]).then(|| cells(levels[1]))];
+        ranges.into_iter().flatten().flat_map(|(lo, hi)| {
+            let rows = (lo[0]..=hi[0]).flat_map(move |x| (lo[1]..=hi[1]).map(move |y| [x, y]));
+            rows.flat_map(move |[x, y]| (lo[2]..=hi[2]).map(move |z| [x, y, z]))
+        })
+    }
+
+    /// Errors that a rounded place may have.
+    fn worst_at(&self, at: &Vec3) -> f64 {
+        self.worst + at.amax() * WORST_ULPS * f64::EPSILON
+    }
+
+    /// How often cells are doubled at this distance from the origin.
+    fn level(&self, far: f64) -> i32 {
+        if far <= self.near { 0 } else { libm::log2(far / self.near).ceil() as i32 }
     }
 
     /// Whether a point may be at a place, as far as rounded places tell.
@@ -282,8 +310,9 @@ impl<'a> Points<'a> {
         (0..3).all(|k| (other.at[k] - place.at[k]).abs() <= apart && other.fine_difference(place, k).is_none())
     }
 
-    fn key(&self, p: &Vec3) -> [i64; 3] {
-        [0, 1, 2].map(|k| (p[k] / self.cell + GRID_OFFSET[k]).floor() as i64)
+    fn key(&self, p: &Vec3, level: i32) -> [i64; 3] {
+        let cell = if level == 0 { self.cell } else { self.cell * 2f64.powi(level) };
+        [0, 1, 2].map(|k| (p[k] / cell + GRID_OFFSET[k]).floor() as i64)
     }
 
     /// Where the point of a source is if each coordinate is that of a line or plane which is level there, as all are of boxes:
@@ -337,7 +366,7 @@ impl<'a> Points<'a> {
             Source::ThreePlanes(planes) => three_planes(&planes.map(|t| t.map(|v| self.explicit[v as usize]))),
             Source::Middle(_) => None,
         };
-        place.filter(|p| p.error <= self.worst).unwrap_or_else(|| {
+        place.filter(|p| p.error <= self.worst_at(&p.at)).unwrap_or_else(|| {
             let exact = self.integers().place(source);
             let at = Vec3::from_fn(|k, _| exact::to_f64(&exact, k, self.exponent));
             let error = at.amax() * 2.0 * f64::EPSILON + f64::MIN_POSITIVE;
@@ -383,6 +412,9 @@ impl<'a> Points<'a> {
         let [(pa, ea), (pb, eb)] = [a, b].map(|p| self.rounded(p));
         let difference = pa[axis] - pb[axis];
         let error = ea + eb;
+        if error != 0.0 {
+            self.counts.all.fetch_add(1, Memory::Relaxed);
+        }
         if error == 0.0 || difference.abs() > error * (1.0 + 4.0 * f64::EPSILON) {
             return difference.partial_cmp(&0.0).unwrap_or(Ordering::Equal);
         }
@@ -501,7 +533,7 @@ mod tests {
         let (a, b, c) = (v(1.0, 0.3, 0.1), v(0.2, 1.1, -0.3), v(-0.1, 0.2, 1.3));
         let explicit =
             [p - a, p + a, p - b, p + b, p - c, p + c, v(0., 0., 0.), v(3., 0., 0.), v(0., 3., 0.), v(0.5, 0.5, 7.0)];
-        let mut points = Points::new(&explicit);
+        let mut points = Points::new(&explicit, &Aabb::EMPTY);
         let x = points.intern(Source::LinePlane { line: [6, 9], plane: [0, 3, 5] });
         let y = points.intern(Source::ThreePlanes([[6, 9, 0], [6, 9, 3], [0, 3, 5]]));
         assert_eq!(x, y);
@@ -532,7 +564,7 @@ mod tests {
             v(0.4, 0.3, 0.0),
             v(0.6, 3.0, 1.0),
         ];
-        let mut points = Points::new(&explicit);
+        let mut points = Points::new(&explicit, &Aabb::around(&explicit));
         let x = points.intern(Source::LinePlane { line: [0, 1], plane: [7, 8, 9] });
         assert_eq!((points.place(x), points.at(x).z.to_bits()), (Place::exactly(v(0.1, 0.7, 0.0)), 0));
         assert_eq!(points.intern(Source::ThreePlanes([[0, 4, 5], [2, 1, 6], [7, 8, 9]])), x);
@@ -547,6 +579,27 @@ mod tests {
     }
 
     #[test]
+    fn points_are_told_apart_and_known_again_however_large_the_tools_are() {
+        let v = |x: f64, y: f64, z: f64| Vec3::new(x, y, z);
+        for far in [1.0, 1e9, 3e38] {
+            // Two uprights that are 1e-7 apart, two planes of that size, and a third plane through both uprights.
+            let level = |z: f64| [v(-far, -far, z), v(far, -far, z), v(0.0, far, z)];
+            let uprights = [v(0.1, 0.3, -1.0), v(0.1, 0.3, 1.0), v(0.1 + 1e-7, 0.3, -1.0), v(0.1 + 1e-7, 0.3, 1.0)];
+            let explicit = [&uprights[..], &level(0.25), &level(0.25 - 1e-7)].concat();
+            let mut points = Points::new(&explicit, &Aabb::around(&uprights));
+            let mut at = |line: [u32; 2], plane: [u32; 3]| points.intern(Source::LinePlane { line, plane });
+            let all = [at([0, 1], [4, 5, 6]), at([2, 3], [4, 5, 6]), at([0, 1], [7, 8, 9]), at([2, 3], [7, 8, 9])];
+            assert_eq!(all, [10, 11, 12, 13], "{far:e}");
+            assert_eq!([at([1, 0], [6, 5, 4]), at([3, 2], [9, 7, 8])], [10, 13], "{far:e}");
+            // Far outside of the model: where an edge of a plane meets an upright plane.
+            let (edge, wall) = ([4, 5], [0, 1, 6]);
+            let outside = at(edge, wall);
+            assert_eq!([at([5, 4], [1, 6, 0]), outside], [outside; 2], "{far:e}");
+            assert!(points.place(10).error <= 1e-14 && points.place(10).at == v(0.1, 0.3, 0.25), "{far:e}");
+        }
+    }
+
+    #[test]
     fn a_point_on_a_vertex_is_the_vertex() {
         let explicit = [
             Vec3::new(0., 0., -1.),
@@ -556,7 +609,7 @@ mod tests {
             Vec3::new(0., 1., 0.),
             Vec3::zeros(),
         ];
-        let mut points = Points::new(&explicit);
+        let mut points = Points::new(&explicit, &Aabb::EMPTY);
         points.register(5);
         assert_eq!(points.intern(Source::LinePlane { line: [0, 1], plane: [2, 3, 4] }), 5);
     }
@@ -570,7 +623,7 @@ mod tests {
             Vec3::new(1., -1., 0.2),
             Vec3::new(0., 1., 0.3),
         ];
-        let mut points = Points::new(&explicit);
+        let mut points = Points::new(&explicit, &Aabb::EMPTY);
         let m = points.intern(Source::LinePlane { line: [0, 1], plane: [2, 3, 4] });
         let q = Projection { u: 0, v: 2 };
         assert_eq!(points.orient2d(0, 1, m, q), 0, "on its own line");

@@ -37,9 +37,16 @@ pub(super) struct Body<'a> {
 
 impl<'a> Body<'a> {
     /// Numbers facets and welds vertices.
-    pub fn new(solids: &'a [Solid], pieces: &[Vec<Piece>], tolerance: f64, own: &[Option<f64>], names: Names) -> Outcome<Self> {
-        let reach = solids.iter().flat_map(|s| &s.vertices).fold(0.0, |m: f64, v| m.max(v.point.amax()));
-        let floor = SMALLEST_TOLERANCE_ULPS * f64::EPSILON * reach.max(f64::MIN_POSITIVE);
+    pub fn new(
+        solids: &'a [Solid],
+        pieces: &[Vec<Piece>],
+        tolerance: f64,
+        own: &[Option<f64>],
+        bounds: &Aabb,
+        names: Names,
+    ) -> Outcome<Self> {
+        let reach = solids.iter().map(|s| reach(s, bounds)).fold(f64::MIN_POSITIVE, f64::max);
+        let floor = SMALLEST_TOLERANCE_ULPS * f64::EPSILON * reach;
         let tolerances: Vec<f64> =
             (0..solids.len()).map(|k| own.get(k).copied().flatten().unwrap_or(tolerance).max(floor)).collect();
         let welded = weld::weld(solids, &tolerances, names)?;
@@ -103,22 +110,12 @@ impl<'a> Body<'a> {
     /// Unit normal of a facet before the weld, outwards.
     pub fn normal(&self, facet: u32) -> Vec3 {
         let vertices = &self.solids[self.leaf_of_facet[facet as usize] as usize].vertices;
-        let at = |v: u32| vertices[v as usize].point;
-        let loops = self.own_loops(facet);
-        let Some(&first) = loops.outer().first() else { return Vec3::zeros() };
-        let side = |[a, b]: [u32; 2]| (at(a) - at(first)).cross(&(at(b) - at(first)));
-        sides(loops.iter()).map(side).sum::<Vec3>().try_normalize(0.0).unwrap_or(Vec3::zeros())
+        unit_normal(self.own_loops(facet), |v| vertices[v as usize].point)
     }
     /// The box of a facet before the weld.
     pub fn bounds(&self, facet: u32) -> Aabb {
         let vertices = &self.solids[self.leaf_of_facet[facet as usize] as usize].vertices;
         Aabb::around(self.own_loops(facet).outer().iter().map(|&v| &vertices[v as usize].point))
-    }
-    /// The box of a facet over welded points.
-    pub fn welded_bounds(&self, facet: u32) -> Aabb {
-        let ids = self.points_of_leaf(self.leaf_of_facet[facet as usize]);
-        let outer = self.own_loops(facet).outer().iter();
-        Aabb::around(outer.map(|&v| &self.points[ids[v as usize] as usize]))
     }
     /// A facet as the owner of a cell.
     pub fn owner(&self, facet: u32, is_flipped: bool) -> Owner {
@@ -129,4 +126,27 @@ impl<'a> Body<'a> {
     pub fn leaf(&self, facet: u32) -> LeafId {
         LeafId(self.leaf_of_facet[facet as usize])
     }
+}
+
+/// The largest coordinate that says where a solid is within the bounds of the model: those of vertices there, and of facets that
+/// come there the part along their normals. A tool that is much larger is known no better far out, but that decides nothing.
+fn reach(solid: &Solid, bounds: &Aabb) -> f64 {
+    let at = |v: &u32| &solid.vertices[*v as usize].point;
+    let own = Aabb::around(solid.vertices.iter().map(|v| &v.point));
+    if own.is_empty() || bounds.contains(&own.lo) && bounds.contains(&own.hi) {
+        return solid.vertices.iter().fold(0.0, |m, v| m.max(v.point.amax()));
+    }
+    let inside = solid.vertices.iter().filter(|v| bounds.contains(&v.point)).fold(0.0, |m: f64, v| m.max(v.point.amax()));
+    let across = solid.facets.iter().filter(|f| Aabb::around(f.loops.outer().iter().map(at)).overlaps(bounds)).map(|f| {
+        let normal = unit_normal(f.loops, |v| *at(&v));
+        f.loops.corners().fold(0.0, |m: f64, v| m.max(at(&v).component_mul(&normal).amax()))
+    });
+    across.fold(inside, f64::max)
+}
+
+/// Unit normal of loops, outwards.
+fn unit_normal(loops: Walks, at: impl Fn(u32) -> Vec3) -> Vec3 {
+    let Some(&first) = loops.outer().first() else { return Vec3::zeros() };
+    let side = |[a, b]: [u32; 2]| (at(a) - at(first)).cross(&(at(b) - at(first)));
+    sides(loops.iter()).map(side).sum::<Vec3>().try_normalize(0.0).unwrap_or(Vec3::zeros())
 }

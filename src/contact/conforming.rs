@@ -3,6 +3,7 @@
 use super::candidates::FacetTrees;
 use crate::cull::Fate;
 use crate::geom::Vec3;
+use crate::geom::aabb::Aabb;
 use crate::ids::LeafId;
 
 /// All leaves over common vertices.
@@ -26,6 +27,8 @@ pub struct Conforming {
     pub owner_ends: Vec<u32>,
     /// Tolerance used, in the scene's unit.
     pub tolerance: f64,
+    /// The box of what parts can claim: what is outside of it decides nothing. Empty if that is not known.
+    pub bounds: Aabb,
     /// Boxes of the facets as they came.
     pub trees: FacetTrees,
     /// Pairs of facets of different leaves, by their numbers among all, that may have more in common than cells: their boxes,

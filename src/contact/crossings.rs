@@ -117,7 +117,7 @@ fn meetings_of_pair(body: &Body, set: &EdgeSet, [f, g]: [u32; 2], found: &mut Ve
         }
         return;
     }
-    set.own_near(f, &body.welded_bounds(g).inflated(tolerance), |a| {
+    set.own_near(f, &set.own_bounds(g).inflated(tolerance), |a| {
         let near = set.bounds(a).inflated(tolerance);
         set.own_near(g, &near, |b| test(a, &near, b));
     });

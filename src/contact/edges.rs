@@ -110,6 +110,11 @@ impl EdgeSet {
     pub fn has_many(&self, facet: u32) -> bool {
         self.own.of(facet).len() >= TREE_FROM
     }
+    /// Box around the own edges of a facet.
+    pub fn own_bounds(&self, facet: u32) -> Aabb {
+        let around = || self.own.of(facet).iter().fold(Aabb::EMPTY, |all, &e| all.union(self.bounds(e)));
+        self.trees.get(&facet).map_or_else(around, Bvh::bounds)
+    }
     /// Calls `visit` with the own edges of a facet, ascending; if they are many, with those whose boxes overlap `bounds`.
     pub fn own_near(&self, facet: u32, bounds: &Aabb, visit: impl FnMut(u32)) {
         let own = self.own.of(facet);

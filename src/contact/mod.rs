@@ -48,6 +48,7 @@ pub use gaps::{GAP, Gap, nearly_touching};
 
 use crate::cull::Piece;
 use crate::diag::{Name, Outcome};
+use crate::geom::aabb::Aabb;
 use crate::ids::LeafId;
 use crate::primitive::solid::Solid;
 use candidates::FacetTrees;
@@ -62,8 +63,8 @@ const NEAR: f64 = 4.0; // Twice "nearly two".
 /// `pieces` tells what is known to become of the facets, if anything is: those that are set aside are compared with none.
 ///
 /// `tolerance` is absolute, `leaf_tolerance` that of leaves with their own (imports); between two leaves the coarser holds, and
-/// none falls below the rounding of the coordinates. `names` says how messages call a leaf. Points keep scene order: vertices
-/// of leaves first, then crossings.
+/// none falls below the rounding of the coordinates in `bounds`, the box of what parts can claim. `names` says how messages call
+/// a leaf. Points keep scene order: vertices of leaves first, then crossings.
 ///
 /// # Errors
 /// `feature-below-tolerance`: two vertices of one leaf within its tolerance. `contact-chain`: contacts that hang together but
@@ -76,9 +77,10 @@ pub fn conform(
     pieces: &[Vec<Piece>],
     tolerance: f64,
     leaf_tolerance: &[Option<f64>],
+    bounds: &Aabb,
     names: &dyn Fn(LeafId) -> Name,
 ) -> Outcome<Conforming> {
-    let mut body = body::Body::new(solids, pieces, tolerance, leaf_tolerance, names)?;
+    let mut body = body::Body::new(solids, pieces, tolerance, leaf_tolerance, bounds, names)?;
     let widest = body.tolerances.iter().fold(0.0, |m: f64, &t| m.max(t));
     let trees = FacetTrees::new(&body, (NEAR * widest).max(GAP * tolerance));
     let pairs = trees.facet_pairs(&body, |_, _| NEAR * widest);
@@ -90,5 +92,5 @@ pub fn conform(
     drop(edges);
     let conforming = assemble::assemble(&body, sheets, tolerance, names)?;
     verify::verify(&body, &conforming, names)?;
-    Ok(Conforming { trees, pairs, ..conforming })
+    Ok(Conforming { trees, pairs, bounds: *bounds, ..conforming })
 }

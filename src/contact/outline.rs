@@ -157,3 +157,44 @@ pub(super) fn sides<'a, W: AsRef<[u32]> + ?Sized + 'a>(
     let ends = |w: &'a [u32]| (0..w.len()).map(move |k| [w[k], w[if k + 1 < w.len() { k + 1 } else { 0 }]]);
     loops.into_iter().flat_map(move |w| ends(w.as_ref()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A comb with teeth of all heights, more of them than a short outline has corners.
+    #[test]
+    fn long_outlines_enclose_what_short_ones_do() {
+        let teeth = 40u32;
+        let mut points = vec![Vec3::new(0.0, -1.0, 0.0), Vec3::new(f64::from(teeth), -1.0, 0.0)];
+        for k in (0..teeth).rev() {
+            let (x, height) = (f64::from(k), f64::from(1 + k * 7 % 13));
+            points.extend(
+                [(x + 0.75, 0.0), (x + 0.75, height), (x + 0.25, height), (x + 0.25, 0.0)].map(|(x, y)| Vec3::new(x, y, 0.0)),
+            );
+        }
+        let walk: Vec<u32> = (0..points.len() as u32).collect();
+        let outline = Outline::new(0, vec![walk.clone()], None, &points);
+        let plain = Outline { index: None, ..Outline::new(0, vec![walk], None, &points) };
+        let mut inside = 0;
+        for i in 0..8 * teeth {
+            for j in 0..60 {
+                let p = Vec3::new(f64::from(i) / 8.0 + 0.06, f64::from(j) / 4.0 - 1.3, 0.0);
+                assert_eq!(outline.encloses(&p, &points), plain.encloses(&p, &points), "{p:?}");
+                inside += u32::from(plain.encloses(&p, &points));
+            }
+        }
+        assert!(inside > 1000);
+        // From tooth to tooth below their feet, and up a tooth; past the edge of a foot within the tolerance.
+        let across = [(2, 9), (2, 5), (3, 4), (2, 3), (6, 13), (5, 6)];
+        for (a, b) in across {
+            for tolerance in [1e-9, 0.3, 2.0] {
+                assert_eq!(
+                    outline.is_chord([a, b], tolerance, &points),
+                    plain.is_chord([a, b], tolerance, &points),
+                    "{a} {b} {tolerance}"
+                );
+            }
+        }
+    }
+}

@@ -157,9 +157,9 @@ fn pairs_of_equal_turned_squares_make_a_star_without_starting_again() {
     let limits = crate::scene::Limits::default();
     let (scene, _) = crate::scene::parse("pile", std::path::Path::new("."), &text, &[], &limits).unwrap();
     let solids = crate::primitive::build(&scene).unwrap();
-    let size = size::of(&scene, &solids);
-    let culled = cull::cull(&scene, &solids, scene.tolerance * size).unwrap();
-    let complex = evaluate_pieces(&scene, &solids, Some(&culled), size, &mut Timings::default()).unwrap().complex;
+    let extent = size::of(&scene, &solids);
+    let culled = cull::cull(&scene, &solids, scene.tolerance * extent.size).unwrap();
+    let complex = evaluate_pieces(&scene, &solids, Some(&culled), extent, &mut Timings::default()).unwrap().complex;
     // The outline is a side of a square from every corner halfway to the next.
     let half = std::f64::consts::FRAC_PI_4 / DISTINCT as f64;
     let area = 4.0 * DISTINCT as f64 * (1.0 - libm::tan(std::f64::consts::FRAC_PI_4 - half));

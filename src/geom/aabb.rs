@@ -11,6 +11,12 @@ pub struct Aabb {
     pub hi: Vec3,
 }
 
+impl Default for Aabb {
+    fn default() -> Self {
+        Self::EMPTY
+    }
+}
+
 impl Aabb {
     /// The box that holds nothing.
     pub const EMPTY: Self = Self {

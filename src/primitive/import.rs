@@ -35,8 +35,9 @@ const FLAT: f64 = 4.0 * f64::EPSILON;
 /// Edges at which facets turn by more are features (cosine of 40 degrees): coarser curved imports hardly exist.
 const FEATURE_COSINE: f64 = 0.766;
 /// Largest coordinate and smallest size of a file, in the scene's unit: what is written in scenes has narrower limits, but
-/// files with 1e17 exist and can be computed with. Beyond these, determinants of coordinates leave the range of floats.
-const LARGEST: f64 = 1e30;
+/// files with 3.4e38, the largest single number, exist and can be computed with. Beyond these, products of seven coordinates, of
+/// which a point of three planes is made, leave the range of floats.
+const LARGEST: f64 = 1e40;
 const SMALLEST: f64 = 1e-30;
 /// What to do about an open surface in general.
 const OPEN: &str = "close its holes, or give the import a tolerance that welds its points";

@@ -78,7 +78,7 @@ impl Report {
             quality: quality_of(&model.complex),
             sharp_angles: sharp::sharp_angles(&model.complex),
             arrangement: model.statistics,
-            repairs: model.repairs,
+            repairs: model.repairs.clone(),
             warnings: model.warnings.clone(),
             timings: model.timings.stages.clone(),
             total: model.timings.total(),

@@ -35,7 +35,7 @@ pub fn triangulate(mut loops: Loops, points: &[Vec3], flatness: f64) -> Result<V
         false => loops.par_iter().with_min_len(256).map(|facet| triangles_of(facet, points)).collect(),
     };
     for _ in 0..MAX_CUTS {
-        let failed: Vec<usize> = (0..loops.len()).filter(|&k| triangles[k].is_err()).collect();
+        let failed: Vec<[usize; 1]> = (0..loops.len()).filter(|&k| triangles[k].is_err()).map(|k| [k]).collect();
         let changed = touching::cut(&mut loops, &failed, points, flatness);
         if changed.is_empty() {
             break;

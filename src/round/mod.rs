@@ -57,13 +57,36 @@ pub enum Rounded {
     },
 }
 
-/// How often rounding had to be repaired.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+/// How often rounding had to be repaired, and on what.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Repairs {
     /// How often all facets were cut again; 0 almost always.
     pub rounds: u32,
     /// Pairs of triangles that rounding made meet or change sides, up to a limit.
     pub contacts: usize,
+    /// The first of each kind.
+    pub places: Vec<Repaired>,
+}
+
+/// A place that rounding broke and that was repaired.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Repaired {
+    /// What two facets did there.
+    pub what: String,
+    /// The interfaces or boundaries that the facets belong to.
+    pub markers: [String; 2],
+    /// A point of it.
+    pub point: [f64; 3],
+}
+
+impl Repairs {
+    fn of(complex: &Complex, faults: &[Fault]) -> Self {
+        let is_first = |k: usize| faults[..k].iter().all(|f| f.what != faults[k].what);
+        let name = |facet| complex.markers[complex.facets[facet].marker].name.clone();
+        let place = |f: &Fault| Repaired { what: f.what.clone(), markers: f.facets.map(name), point: f.point.into() };
+        let places = (0..faults.len()).filter(|&k| is_first(k)).map(|k| place(&faults[k])).collect();
+        Self { rounds: 0, contacts: faults.len(), places }
+    }
 }
 
 /// Polygons over points that are not rounded yet.
@@ -130,7 +153,8 @@ impl Exact {
 /// `tolerance`: that of the contact step, in the scene's unit; `size`: that of the model.
 pub fn round(exact: Exact, solids: &[Solid], tolerance: f64, size: f64) -> Result<Rounded, Diagnostic> {
     let Exact { mut complex, mut draft, mut part_of_volume } = exact;
-    let reach = PLANAR_ULPS * f64::EPSILON * draft.places.iter().fold(size, |m, p| m.max(p.amax()));
+    let used = draft.loops.iter().flatten().flatten().map(|&p| &draft.places[p as usize]);
+    let reach = PLANAR_ULPS * f64::EPSILON * used.fold(size, |m, p| m.max(p.amax()));
     dissolve::dissolve(&mut draft.loops, &draft.places, tolerance.max(reach));
     fill(&mut complex, draft, reach)?;
     let (repairs, checked) = settle(&mut complex, &mut part_of_volume, reach)?;
@@ -153,7 +177,7 @@ fn settle(
     let mut checked = check(complex, parts);
     let mut repairs = Repairs::default();
     if let Err(faults) = &checked {
-        repairs.contacts = faults.len();
+        repairs = Repairs::of(complex, faults);
         regions::number(complex, parts, reach)?;
         *parts = complex.regions.iter().map(|r| r.part).collect();
     }
@@ -161,6 +185,12 @@ fn settle(
         let Ok(draft) = repair::cut_again(complex, reach) else { break };
         fill(complex, draft, reach)?;
         checked = check(complex, parts);
+        if let Err(faults) = &checked
+            && let Some(draft) = repair::join_edges(complex, faults, reach)
+        {
+            fill(complex, draft, reach)?;
+            checked = check(complex, parts);
+        }
         repairs.rounds += 1;
     }
     Ok((repairs, checked))

@@ -5,9 +5,10 @@
 //! unit becomes a piece of its own. A piece lies between two regions if the boundaries of the regions, seen as oriented
 //! surfaces, wind around its two sides differently; what is turned over or doubled has the same region on both sides and goes.
 //! Rounded again, new points fall onto the vertices that they came from, and what nearly touched is joined (the idea of snap
-//! rounding: Hobby 1999; in space: Devillers, Lazard, Lenhart 2018).
+//! rounding: Hobby 1999; in space: Devillers, Lazard, Lenhart 2018); edges of facets that still meet are cut at the vertices
+//! on them.
 
-use super::{Draft, Lineage, collapse, dissolve};
+use super::{Draft, Fault, Lineage, collapse, dissolve, touching};
 use crate::arrangement::{self, Arrangement};
 use crate::brep::complex::Complex;
 use crate::classify::EdgeUses;
@@ -19,7 +20,7 @@ use crate::geom::aabb::Aabb;
 use crate::geom::bvh::Bvh;
 use crate::geom::polygon::vector_area;
 use crate::geom::union_find::UnionFind;
-use crate::ids::{FacetId, LeafId, MarkerId, PartId, RegionId, VertexId};
+use crate::ids::{FacetId, Id, LeafId, MarkerId, PartId, RegionId, VertexId};
 use crate::select;
 use std::ops::ControlFlow;
 
@@ -54,6 +55,19 @@ pub fn cut_again(complex: &Complex, reach: f64) -> Result<Draft, Diagnostic> {
         Lineage { sides: f.volumes.map(RegionId), marker: f.marker, is_modified, ..Lineage::of(old) }
     });
     Ok(Draft { facets: facets.collect(), loops, places, explicit: input.points.len() })
+}
+
+/// The facets of a complex, where vertices of those that meet lie on edges of each other but for rounding: such an edge, cut
+/// there in all its facets, parts what is one place. Cutting again may leave them, some facets going past the vertex and some
+/// through it, and in the next round the others. `None` if there is no such vertex.
+pub fn join_edges(complex: &Complex, faults: &[Fault], reach: f64) -> Option<Draft> {
+    let mut loops: collapse::Loops =
+        complex.facets.iter().map(|f| f.loops.iter().map(|walk| walk.iter().map(|v| v.0).collect()).collect()).collect();
+    let places: Vec<Vec3> = complex.vertices.iter().map(|v| v.point).collect();
+    let met: Vec<[usize; 2]> = faults.iter().map(|fault| fault.facets.map(Id::index)).collect();
+    let changed = touching::cut(&mut loops, &met, &places, reach);
+    let facets = complex.facets.iter().map(Lineage::of).collect();
+    (!changed.is_empty()).then_some(Draft { facets, loops, explicit: places.len(), places })
 }
 
 /// Makes one region of regions of one part that touch: the facets between them would be nothing's border.

@@ -1,4 +1,4 @@
-//! Vertices that rounding pushed onto or through an edge of their own facet become vertices of that edge.
+//! Vertices that rounding pushed onto or through an edge, of their own facet or of one that they meet, become vertices of that edge.
 //!
 //! Two segments that do not meet are nearest in an end of one of them. If the ends move by a few units in the last place and
 //! the segments meet then, one of the ends is that near to the other segment: cutting edges at near vertices undoes every
@@ -14,12 +14,12 @@ use crate::ids::{FacetId, Id, VertexId};
 /// Vertices to be put into an edge (smaller number first) with their places along it.
 type Cuts = IndexMap<[u32; 2], Vec<(f64, u32)>>;
 
-/// Cuts the edges of the `failed` facets at vertices of the same facet within twice the `reach` that each may have moved by.
-/// Yields the facets that changed, ascending.
-pub fn cut(facets: &mut Loops, failed: &[usize], points: &[Vec3], reach: f64) -> Vec<usize> {
+/// Cuts the edges of facets that `failed`, by themselves or together, at their vertices within twice the `reach` that each may
+/// have moved by. Yields the facets that changed, ascending.
+pub fn cut<const N: usize>(facets: &mut Loops, failed: &[[usize; N]], points: &[Vec3], reach: f64) -> Vec<usize> {
     let mut cuts = Cuts::default();
-    for &facet in failed {
-        find(&facets[facet], points, 2.0 * reach, &mut cuts);
+    for together in failed {
+        find(&together.map(|facet| &facets[facet][..]).concat(), points, 2.0 * reach, &mut cuts);
     }
     if cuts.is_empty() {
         return Vec::new();
@@ -42,7 +42,7 @@ fn key(walk: &[u32], k: usize) -> [u32; 2] {
     [a.min(b), a.max(b)]
 }
 
-/// Vertices of a facet that lie near its edges, between the ends.
+/// Vertices of loops that lie near their edges, between the ends.
 fn find(loops: &[Vec<u32>], points: &[Vec3], near: f64, cuts: &mut Cuts) {
     let mut vertices = loops.concat();
     vertices.sort_unstable();
@@ -117,9 +117,9 @@ mod tests {
         let p = |x: f64, y: f64| Vec3::new(x, y, 0.0);
         let places = [p(0., 0.), p(4., 0.), p(4., 4.), p(2., -1e-15), p(0., 4.), p(2., -4.)];
         let mut facets = vec![vec![vec![0, 1, 2, 3, 4]], vec![vec![1, 0, 5]]];
-        assert_eq!(cut(&mut facets, &[0], &places, 1e-15), [0, 1]);
+        assert_eq!(cut(&mut facets, &[[0]], &places, 1e-15), [0, 1]);
         assert_eq!(facets, [vec![vec![0, 3, 4], vec![3, 1, 2]], vec![vec![1, 3, 0, 5]]]);
-        assert!(cut(&mut facets, &[0, 1], &places, 1e-15).is_empty());
+        assert!(cut(&mut facets, &[[0], [1]], &places, 1e-15).is_empty());
     }
 
     #[test]
@@ -127,7 +127,7 @@ mod tests {
         let p = |x: f64, y: f64| Vec3::new(x, y, 0.0);
         let places = [p(0., 0.), p(4., 0.), p(2., 0.), p(2., -4.)];
         let mut facets = vec![vec![vec![0, 1, 2]], vec![vec![1, 0, 3]]];
-        assert_eq!(cut(&mut facets, &[0], &places, 1e-15), [0, 1]);
+        assert_eq!(cut(&mut facets, &[[0]], &places, 1e-15), [0, 1]);
         assert_eq!(facets, [vec![], vec![vec![1, 2, 0, 3]]]);
     }
 

@@ -43,6 +43,11 @@ impl Built {
 
 /// Builds a scene of parts (name, solid) and checks all that holds for every scene.
 pub fn build<S: AsRef<str>>(parts: &[(S, S)]) -> Result<Built, String> {
+    build_in(Path::new("."), parts)
+}
+
+/// The same where imports read from a folder.
+pub fn build_in<S: AsRef<str>>(folder: &Path, parts: &[(S, S)]) -> Result<Built, String> {
     let list: Vec<String> =
         parts.iter().map(|(name, solid)| format!("Part(name: \"{}\", solid: {})", name.as_ref(), solid.as_ref())).collect();
     let text = format!("Scene(units: \"mm\", remesh: Off, parts: [\n{}\n])", list.join(",\n"));
@@ -50,7 +55,7 @@ pub fn build<S: AsRef<str>>(parts: &[(S, S)]) -> Result<Built, String> {
         let said: Vec<String> = found.iter().take(3).map(|d| format!("{}: {} at {:?}", d.code, d.message, d.points)).collect();
         format!("{what}: {}\n{text}", said.join("; "))
     };
-    let (scene, _) = scene::parse("random", Path::new("."), &text, &[], &Limits::default()).map_err(|e| fail("scene", &e))?;
+    let (scene, _) = scene::parse("random", folder, &text, &[], &Limits::default()).map_err(|e| fail("scene", &e))?;
     let solids = gsm::primitive::build(&scene).map_err(|e| fail("primitive", &e))?;
     let evaluation = match evaluate(&scene, &solids, &mut Timings::default()) {
         Ok(evaluation) => evaluation,

@@ -29,12 +29,18 @@ impl Generator {
     pub fn below(&mut self, n: u64) -> u64 {
         self.next() % n
     }
-    fn between(&mut self, lo: f64, hi: f64) -> f64 {
+    /// At least `lo`, below `hi`.
+    pub fn between(&mut self, lo: f64, hi: f64) -> f64 {
         lo + (hi - lo) * (self.next() >> 11) as f64 / (1u64 << 53) as f64
     }
     /// A multiple of a half: what is made of such numbers touches often.
-    fn round(&mut self, lo: i64, hi: i64) -> f64 {
+    pub fn round(&mut self, lo: i64, hi: i64) -> f64 {
         lo as f64 + self.below(2 * (hi - lo) as u64 + 1) as f64 / 2.0
+    }
+
+    /// As finely as all round solids of the scene.
+    pub fn division(&self) -> String {
+        format!("discretization: (segments: {})", self.segments)
     }
 
     /// A solid turned about an arbitrary axis through the origin.
@@ -87,7 +93,7 @@ impl Generator {
 
     fn primitive(&mut self) -> String {
         let (r, h) = (self.round(1, 2), self.round(1, 3));
-        let round = format!("discretization: (segments: {})", self.segments);
+        let round = self.division();
         match self.below(11) {
             0 | 1 => format!("Block(size: ({:?}, {:?}, {h:?}), center: (0, 0, 0))", self.round(1, 3), self.round(1, 3)),
             2 => format!("Prism(sides: {}, radius: {r:?}, height: {h:?})", 3 + self.below(5)),

@@ -97,7 +97,9 @@ fn features_below_the_tolerance_are_refused() {
 #[test]
 fn an_import_may_be_coarser() {
     let solids = [block([0.0; 3], [1.0; 3]), block([0.0, 0.0, 1.0 + 1e-7], [1.0, 1.0, 2.0])];
-    let shared = |own: &[Option<f64>]| owned_by(&conform(&solids, &[], 1e-9, own, &|_| Default::default()).unwrap(), 2);
+    let shared = |own: &[Option<f64>]| {
+        owned_by(&conform(&solids, &[], 1e-9, own, &around(&solids), &|_| Default::default()).unwrap(), 2)
+    };
     assert_eq!((shared(&[None, None]), shared(&[None, Some(1e-6)])), (0, 1));
 }
 

@@ -10,6 +10,7 @@ use super::conform;
 use super::conforming::Conforming;
 use crate::diag::{Name, Outcome};
 use crate::geom::Vec3;
+use crate::geom::aabb::Aabb;
 use crate::ids::LeafId;
 use crate::primitive::solid::{Facets, Freedom, Shape, Solid, SolidSurface, SolidVertex};
 use nalgebra::Rotation3;
@@ -62,8 +63,13 @@ fn rotation(k: u32) -> Rotation3<f64> {
     Rotation3::from_scaled_axis(Vec3::new((f * 1.7).sin() + 0.3, (f * 2.3).cos() - 0.2, (f * 3.1).sin() + 0.1) * 1.3)
 }
 
+/// The box of all solids.
+fn around(solids: &[Solid]) -> Aabb {
+    Aabb::around(solids.iter().flat_map(|s| &s.vertices).map(|v| &v.point))
+}
+
 fn try_conform(solids: &[Solid], tolerance: f64) -> Outcome<Conforming> {
-    conform(solids, &[], tolerance, &vec![None; solids.len()], &|l: LeafId| Name {
+    conform(solids, &[], tolerance, &vec![None; solids.len()], &around(solids), &|l: LeafId| Name {
         text: format!("leaf {}", l.0),
         ..Name::default()
     })
