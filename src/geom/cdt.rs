@@ -93,7 +93,7 @@ mod tests {
 
     #[test]
     fn equally_good_triangulations_are_not_drawn_by_lot() {
-        let edges: Vec<[usize; 2]> = (0..7).map(|k| [k, 8 * (k + 1) + k]).collect();
+        let edges: Vec<[usize; 2]> = (0..7).map(|k| [k, k + 9]).collect();
         let triangles = || -> Vec<[usize; 3]> {
             let cdt = Cdt::new(grid(8), &edges).unwrap();
             cdt.spade.inner_faces().map(|f| f.vertices().map(slot)).collect()
