@@ -109,7 +109,6 @@ pub fn remesh(complex: Complex, options: &RemeshOptions, parts: &IdVec<PartId, P
     }
     let evaluated = complex.clone();
     let mut complex = complex;
-    let count = complex.surfaces.len();
     let original = creases::divide(&mut complex);
     let supports = supports_of(&complex, options.patches);
     let gaps = Gaps::of(&complex, &supports);
@@ -132,7 +131,7 @@ pub fn remesh(complex: Complex, options: &RemeshOptions, parts: &IdVec<PartId, P
         if is_last && faults.iter().all(|f| !f.is_contact) {
             let mut done = work.brep.to_complex();
             straight::cut_unsound(&mut done, &evaluated);
-            creases::restore(&mut done, &original, count);
+            creases::restore(&mut done, &original, &evaluated.surfaces);
             return Ok(done);
         }
         if is_last {
@@ -262,13 +261,18 @@ impl Workpiece {
             // Before facets become polygons, which could not follow; and what slid back.
             self.clear_straight_corners();
             self.clear_bends(limits, self.active_edges());
-            if is_cleared {
+            if is_cleared && !self.meets_in_gaps(limits) {
                 self.clear_spheres(limits);
             }
             self.merge_flat();
             self.clear_straight_corners();
         }
         is_done
+    }
+
+    /// Whether there are thin gaps, and facets meet there: most will do so after all, and then nothing is to be made finer.
+    fn meets_in_gaps(&mut self, limits: &Limits) -> bool {
+        limits.is_cramped.get() && self.faults().iter().any(|f| f.is_contact)
     }
 
     /// The facets to be remeshed.
