@@ -108,6 +108,10 @@ pub(crate) fn import(leaf: &Leaf, path: &Path, scale: f64) -> Result<Solid, Diag
 /// The surface as it bounds a solid, with the edges of its polygons; `is_mirrored` turns all of them.
 fn closed(mut surface: Surface, is_mirrored: bool, file: &str) -> Result<(Surface, Sides), Diagnostic> {
     flat::absorb(&mut surface);
+    // All points became one: a far one makes the tolerance large.
+    if surface.polygons.count() == 0 {
+        return Err(without_volume(file));
+    }
     split_bent(&mut surface, file)?;
     let sides = Sides::new(&surface);
     check_closed(&surface, &sides, file)?;

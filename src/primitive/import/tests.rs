@@ -327,6 +327,14 @@ fn what_is_thinner_than_the_tolerance_stays_where_the_file_is_closed() {
 }
 
 #[test]
+fn a_far_point_that_makes_all_others_one_is_told() {
+    let mut facets = block([0.0; 3], [1.0; 3]);
+    facets[0][0][2] = 1e8;
+    let fault = read("far.stl", &stl(&facets)).unwrap_err();
+    assert!(fault.code == "no-volume" && fault.hints.iter().any(|h| h.contains("became one")), "{fault:?}");
+}
+
+#[test]
 fn shells_with_a_common_edge_are_turned_each_by_itself() {
     // Two cubes of volume 8 over an edge along z, and one of them in the wedge of a third: all ways to turn them.
     let at = |x: f64, y: f64| block([x, y, 0.], [x + 2., y + 2., 2.]);
