@@ -40,7 +40,8 @@ pub(super) fn from_ron<'a>(error: SpannedError, source: &Source<'a>, raw: Raw<'a
         }
         Error::ExpectedFloat | Error::ExpectedInteger => Diagnostic::error("wrong-type", "expected a number")
             .at(value)
-            .hint("numbers are plain, or expressions in quotes: 12.5, \"12.5 mm\", \"-gap / 2\"; a direction against an axis is a vector: (0, 0, -1)"),
+            .hint("numbers are plain, or expressions in quotes: 12.5, \"12.5 mm\", \"-gap / 2\"; \
+                 a direction against an axis is a vector: (0, 0, -1)"),
         Error::ExpectedString => {
             Diagnostic::error("wrong-type", "expected a text in quotes").at(value).hint("put it in double quotes")
         }

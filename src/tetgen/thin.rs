@@ -31,7 +31,8 @@ pub(super) fn forecast(input: &Input) -> Option<String> {
     let name = input.regions.get(&region).map_or("", |label| label.name.as_str());
     let thickness = short(thickness);
     Some(format!(
-        "part `{name}` is some {thickness} thick: at ratio 2.0 it takes about {count:.0e} tetrahedra; thicken it, or leave it out and give the interface there the condition of a sheet"
+        "part `{name}` is some {thickness} thick: at ratio 2.0 it takes about {count:.0e} tetrahedra; \
+         thicken it, or leave it out and give the interface there the condition of a sheet"
     ))
 }
 
