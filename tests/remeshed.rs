@@ -187,6 +187,27 @@ fn icosphere() -> String {
     format!("OFF\n162 320 0\n{points}{facets}")
 }
 
+/// The walls and the pierced top and bottom of an imported plate lie in planes: they are polygons with a hole, which Full leaves
+/// alone, straight or turned. As triangles with a smooth support they were divided, and merged again to ragged pieces.
+#[test]
+fn planar_facets_of_an_import_stay_polygons() {
+    let square = |r: f64, z: f64| format!("-{r} -{r} {z}\n{r} -{r} {z}\n{r} {r} {z}\n-{r} {r} {z}\n");
+    let points: String = [(3.0, 0.0), (1.0, 0.0), (3.0, 1.0), (1.0, 1.0)].map(|(r, z)| square(r, z)).concat();
+    let quads = [(0, 1), (1, 2), (2, 3), (3, 0)].map(|(a, b)| {
+        [[a, a + 4, b + 4, b], [a + 8, b + 8, b + 12, a + 12], [a, b, b + 8, a + 8], [b + 4, a + 4, a + 12, b + 12]]
+    });
+    let triangles = quads.concat().into_iter().map(|[a, b, c, d]: [u32; 4]| format!("3 {a} {b} {c}\n3 {a} {c} {d}\n"));
+    let file = folder("remeshed-plate").join("scene.ron");
+    std::fs::write(file.with_file_name("plate.off"), format!("OFF\n16 32 0\n{points}{}", triangles.collect::<String>()))
+        .unwrap();
+    for (angle, mode) in [(0.0, "off"), (0.0, "full"), (40.0, "off"), (40.0, "full")] {
+        let plate = format!(r#"Rotate(axis: (1, 2, 3), angle: {angle}, solid: Import(file: "plate.off"))"#);
+        std::fs::write(&file, format!(r#"Scene(units: "mm", parts: [Part(name: "plate", solid: {plate})])"#)).unwrap();
+        let built = build(&file, &["--remesh", mode], file.parent().unwrap());
+        assert_eq!(built["counts"]["facets"], 10, "turned by {angle}, {mode}");
+    }
+}
+
 /// A cut a millionth beside the vertices of a ball known by its facets leaves chords as short. Once they set the size of all
 /// triangles around, which were split without end.
 #[test]

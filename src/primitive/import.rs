@@ -91,7 +91,7 @@ pub(crate) fn import(leaf: &Leaf, path: &Path, scale: f64) -> Result<Solid, Diag
     drop((mesh.points, mesh.polygons, mesh.group_of, points));
     let closed = |surface| closed(surface, place.is_mirrored(), &file);
     let merged = (tolerance > 0.0).then(|| weld::merged(&exact, tolerance)).flatten();
-    let (mut surface, sides) = match merged {
+    let (surface, sides) = match merged {
         None => closed(exact),
         // The file needs it: its points were rounded one by one.
         Some(merged) if exact.is_open() => closed(merged.surface).map_err(|fault| told_of_merging(fault, tolerance * extent)),
@@ -101,17 +101,18 @@ pub(crate) fn import(leaf: &Leaf, path: &Path, scale: f64) -> Result<Solid, Diag
     }?;
     let freedoms = freedoms(&surface, &sides);
     // Other diagonals of facets that are planar to rounding only may meet what the first ones miss.
-    if let Some(joined) = flats::join(&surface, &sides, surface.flatness())
-        && check_embedded(&joined, &joined.triangles().0, &file).is_ok()
-    {
-        surface = joined;
-    }
-    Ok(finish(surface, &freedoms, groups))
+    let is_sound = |facets: &Facets| check_embedded(&surface.points, &triangles_of(facets, &surface.points), &file).is_ok();
+    let facets = flats::join(&surface, &sides, surface.flatness()).filter(is_sound).unwrap_or_else(|| surface.facets());
+    Ok(finish(&surface.points, facets, &freedoms, groups))
 }
 
 /// The surface as it bounds a solid, with the edges of its polygons; `is_mirrored` turns all of them.
 fn closed(mut surface: Surface, is_mirrored: bool, file: &str) -> Result<(Surface, Sides), Diagnostic> {
     flat::absorb(&mut surface);
+    // All points became one: a far one makes the tolerance large.
+    if surface.polygons.count() == 0 {
+        return Err(without_volume(file));
+    }
     split_bent(&mut surface, file)?;
     let sides = Sides::new(&surface);
     check_closed(&surface, &sides, file)?;
@@ -120,7 +121,7 @@ fn closed(mut surface: Surface, is_mirrored: bool, file: &str) -> Result<(Surfac
     }
     let (triangles, polygon_of) = surface.triangles();
     let is_flat = surface.volume() == 0.0;
-    check_embedded(&surface, &triangles, file).map_err(|fault| if is_flat { without_volume(file) } else { fault })?;
+    check_embedded(&surface.points, &triangles, file).map_err(|fault| if is_flat { without_volume(file) } else { fault })?;
     nesting::orient(&mut surface, &sides, (&triangles, &polygon_of), file)?;
     Ok((surface, sides))
 }
@@ -142,8 +143,8 @@ fn without_volume(file: &str) -> Diagnostic {
 }
 
 /// Refuses surfaces that cross or touch themselves outside shared vertices and edges.
-fn check_embedded(surface: &Surface, triangles: &[[u32; 3]], file: &str) -> Result<(), Diagnostic> {
-    let found = embedding::violations(&surface.points, triangles, LISTED);
+fn check_embedded(points: &[Vec3], triangles: &[[u32; 3]], file: &str) -> Result<(), Diagnostic> {
+    let found = embedding::violations(points, triangles, LISTED);
     if found.is_empty() {
         return Ok(());
     }
@@ -174,6 +175,13 @@ impl Surface {
             polygon_of.resize(triangles.len(), polygon);
         }
         (triangles, polygon_of)
+    }
+
+    /// The polygons as facets, each on the surface of its group.
+    fn facets(&self) -> Facets {
+        let mut facets = Facets::default();
+        self.polygons.iter().zip(&self.group_of).for_each(|(walk, &group)| facets.push([walk.iter().copied()], group));
+        facets
     }
 
     fn volume(&self) -> f64 {
@@ -251,20 +259,24 @@ fn split_bent(surface: &mut Surface, file: &str) -> Result<(), Diagnostic> {
     Ok(())
 }
 
-fn finish(surface: Surface, freedoms: &[Freedom], groups: Vec<String>) -> Solid {
-    let mut number = vec![u32::MAX; surface.points.len()];
-    let mut vertices = Vec::with_capacity(surface.points.len());
-    let mut facets = Facets::with_capacity(surface.polygons.count(), surface.polygons.items().len());
-    for (walk, &group) in surface.polygons.iter().zip(&surface.group_of) {
-        let mut vertex = |v: &u32| {
-            let slot = *v as usize;
-            if number[slot] == u32::MAX {
-                number[slot] = vertices.len() as u32;
-                vertices.push(SolidVertex { point: surface.points[slot], freedom: freedoms[slot] });
-            }
-            number[slot]
-        };
-        facets.push([walk.iter().map(&mut vertex)], group);
+/// Facets, with holes or without, as triangles.
+fn triangles_of(facets: &Facets, points: &[Vec3]) -> Vec<[u32; 3]> {
+    let loops = facets.iter().map(|f| f.loops.iter().collect::<Vec<_>>());
+    // Simple: checked by `split_bent` and `flats`.
+    loops.flat_map(|loops| triangulate(&loops, &[], &[], points).unwrap_or_default()).collect()
+}
+
+/// The solid of the facets, without the points that none of them uses.
+fn finish(points: &[Vec3], mut facets: Facets, freedoms: &[Freedom], groups: Vec<String>) -> Solid {
+    let mut number = vec![u32::MAX; points.len()];
+    let mut vertices = Vec::with_capacity(points.len());
+    for corner in facets.corners_mut() {
+        let slot = *corner as usize;
+        if number[slot] == u32::MAX {
+            number[slot] = vertices.len() as u32;
+            vertices.push(SolidVertex { point: points[slot], freedom: freedoms[slot] });
+        }
+        *corner = number[slot];
     }
     let surfaces = groups.into_iter().map(|side| SolidSurface { side, shape: Shape::Sampled }).collect();
     Solid { vertices, facets, surfaces }

@@ -1,15 +1,18 @@
 //! Sharp edges of imported surfaces: each smooth piece becomes a surface of its own while the model is remeshed (thesis 6.2
-//! leaves sharp features of acquired models to future work).
+//! leaves sharp features of acquired models to future work). A piece that lies in a plane is one: its facets stay polygons.
 
-use crate::brep::complex::Complex;
+use crate::brep::complex::{Complex, ComplexFacet, ComplexSurface};
 use crate::geom::Vec3;
-use crate::geom::polygon::vector_area;
-use crate::ids::{FacetId, Id, SurfaceId, VertexId};
+use crate::geom::polygon::{is_planar, vector_area};
+use crate::ids::{FacetId, Id, IdVec, SurfaceId, VertexId};
 use crate::primitive::solid::Shape;
 use std::collections::{BTreeMap, HashMap};
 
 /// Cosine of the turn past which an edge is sharp (40 degrees); the patches use the same.
 const CREASE_COSINE: f64 = 0.766;
+/// Distance from a plane that is rounding, as a fraction of the largest coordinate: that of corners, and as much again of points
+/// where facets cut each other.
+const FLAT: f64 = 8.0 * f64::EPSILON;
 
 /// Divides sampled surfaces along their sharp edges; gives for every surface, new ones included, the original.
 pub(super) fn divide(complex: &mut Complex) -> Vec<SurfaceId> {
@@ -36,15 +39,31 @@ pub(super) fn divide(complex: &mut Complex) -> Vec<SurfaceId> {
         });
         complex.facets[facet].surface = piece;
     }
+    for surface in planar_pieces(complex, &sampled) {
+        complex.surfaces[surface].shape = Shape::Plane;
+    }
     original
 }
 
+/// Surfaces of which all facets lie in one plane.
+fn planar_pieces(complex: &Complex, sampled: &[FacetId]) -> Vec<SurfaceId> {
+    let points: Vec<Vec3> = complex.vertices.iter().map(|v| v.point).collect();
+    let flatness = FLAT * points.iter().map(|p| p.amax()).fold(0.0, f64::max);
+    let mut walks: BTreeMap<SurfaceId, Vec<Vec<u32>>> = BTreeMap::new();
+    for &facet in sampled {
+        let ComplexFacet { surface, loops, .. } = &complex.facets[facet];
+        walks.entry(*surface).or_default().extend(loops.iter().map(|walk| walk.iter().map(|v| v.0).collect()));
+    }
+    let is_flat = |walks: &Vec<Vec<u32>>| is_planar(&walks.iter().map(Vec::as_slice).collect::<Vec<_>>(), &points, flatness);
+    walks.into_iter().filter(|(_, walks)| is_flat(walks)).map(|(surface, _)| surface).collect()
+}
+
 /// Gives facets their original surfaces back.
-pub(super) fn restore(complex: &mut Complex, original: &[SurfaceId], count: usize) {
+pub(super) fn restore(complex: &mut Complex, original: &[SurfaceId], surfaces: &IdVec<SurfaceId, ComplexSurface>) {
     for facet in complex.facets.iter_mut() {
         facet.surface = original[facet.surface.index()];
     }
-    complex.surfaces = complex.surfaces.iter().take(count).cloned().collect();
+    complex.surfaces = surfaces.clone();
 }
 
 /// For each facet, the smallest facet of its smooth piece.

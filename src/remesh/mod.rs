@@ -109,7 +109,6 @@ pub fn remesh(complex: Complex, options: &RemeshOptions, parts: &IdVec<PartId, P
     }
     let evaluated = complex.clone();
     let mut complex = complex;
-    let count = complex.surfaces.len();
     let original = creases::divide(&mut complex);
     let supports = supports_of(&complex, options.patches);
     let gaps = Gaps::of(&complex, &supports);
@@ -136,7 +135,7 @@ pub fn remesh(complex: Complex, options: &RemeshOptions, parts: &IdVec<PartId, P
             let work = work.cleared(&limits, faults.len()).unwrap_or(plain);
             let mut done = work.brep.to_complex();
             straight::cut_unsound(&mut done, &evaluated);
-            creases::restore(&mut done, &original, count);
+            creases::restore(&mut done, &original, &evaluated.surfaces);
             return Ok(done);
         }
         if is_last {

@@ -11,6 +11,8 @@ pub(super) fn from_ron<'a>(error: SpannedError, source: &Source<'a>, raw: Raw<'a
     // The cursor stands behind the name that was refused.
     let name_at = |name: &str| source.span_at(base + raw.0[..cursor].rfind(name).unwrap_or(0));
     let here = source.span_at(base + cursor);
+    // Where the value begins that is of another kind: `raw`, or something in it that is no value at all.
+    let value = source.span_at(base + byte_of(raw.0, error.span.start));
     match error.code {
         Error::NoSuchStructField { expected, found, outer } => {
             let place = outer.map_or(String::new(), |o| format!(" in {o}"));
@@ -37,19 +39,20 @@ pub(super) fn from_ron<'a>(error: SpannedError, source: &Source<'a>, raw: Raw<'a
             fault.at(source.span(raw)).hint("points of space are (x, y, z), those of a plane (x, y)")
         }
         Error::ExpectedFloat | Error::ExpectedInteger => Diagnostic::error("wrong-type", "expected a number")
-            .at(source.span(raw))
-            .hint("numbers are plain, or expressions in quotes: 12.5, \"12.5 mm\", \"gap / 2\""),
+            .at(value)
+            .hint("numbers are plain, or expressions in quotes: 12.5, \"12.5 mm\", \"-gap / 2\"; \
+                 a direction against an axis is a vector: (0, 0, -1)"),
         Error::ExpectedString => {
-            Diagnostic::error("wrong-type", "expected a text in quotes").at(source.span(raw)).hint("put it in double quotes")
+            Diagnostic::error("wrong-type", "expected a text in quotes").at(value).hint("put it in double quotes")
         }
         Error::ExpectedBoolean => Diagnostic::error("wrong-type", "expected true or false")
-            .at(source.span(raw))
+            .at(value)
             .hint("write true or false, without quotes"),
         Error::ExpectedArray => Diagnostic::error("wrong-type", "expected a list in brackets [..]")
-            .at(source.span(raw))
+            .at(value)
             .hint("put brackets around it, also around a single element"),
         Error::ExpectedMap => Diagnostic::error("wrong-type", "expected a map in braces {\"name\": value, ..}")
-            .at(source.span(raw))
+            .at(value)
             .hint("write for instance params: {\"gap\": \"0.8 mm\"}, solids: {\"pole\": Block(..)}, interfaces: {\"a|b\": (max_edge: 2)}"),
         other => Diagnostic::error("syntax", format!("{other}")).at(here).hint(syntax_hint(&other)),
     }

@@ -5,7 +5,7 @@ use super::child::{self, Ending, Folder, Limits};
 use super::find::Program;
 use super::input::Input;
 use super::place::Place;
-use super::{explain, read, runaway, verify};
+use super::{explain, read, runaway, thin, verify};
 use crate::diag::{Diagnostic, Outcome};
 use crate::io::mesh::{Mesh, RegionNumber};
 use crate::io::poly;
@@ -123,6 +123,9 @@ fn told(place: &Place, improvements: &str) -> String {
 pub fn mesh(input: &Input, programs: &[Program], options: &Options) -> Outcome<Meshed> {
     let mut climb = Climb { attempts: Vec::new(), logs: Vec::new(), runaway: None, time: options.time };
     let task = Task { input, options };
+    if let (Some(tell), Some(thin)) = (options.on_attempt, thin::forecast(input)) {
+        tell(&format!("tetgen: {thin}"));
+    }
     'rungs: for (program, place) in rungs(input, programs) {
         // What is exact counts more than what is small.
         if matches!(place, Place::Moved(..)) && (climb.runaway.is_some() || !place.is_valid(input)) {
@@ -205,7 +208,7 @@ impl Climb {
             return Ok(Next::Rung);
         }
         match run.ending {
-            Ending::OutOfTime if self.runaway.is_none() => Err(vec![too_slow(options)]),
+            Ending::OutOfTime if self.runaway.is_none() => Err(vec![too_slow(input, options)]),
             Ending::OutOfTime => Ok(Next::Stop),
             // Only what became a mesh may become a better one.
             Ending::Clean => Ok(Next::Improvements),
@@ -220,9 +223,12 @@ fn endless_refinement(what: &str) -> Diagnostic {
         .hint("allow a larger --ratio, or give the parts a --max-volume that grades the mesh")
 }
 
-fn too_slow(options: &Options) -> Diagnostic {
+fn too_slow(input: &Input, options: &Options) -> Diagnostic {
     let limit = options.time.as_secs();
-    Diagnostic::error("tetgen-time", format!("TetGen was still refining the mesh after {limit} s"))
+    let fault = Diagnostic::error("tetgen-time", format!("TetGen was still refining the mesh after {limit} s"));
+    thin::forecast(input)
+        .into_iter()
+        .fold(fault, Diagnostic::hint)
         .hint("allow larger volumes or a larger --ratio, or raise --time-limit")
         .hint("thin gaps and small angles cost most: a gap of a hundredth of its width needs about ten thousand tetrahedra")
 }

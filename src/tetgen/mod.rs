@@ -8,6 +8,7 @@
 //! child   one run: own folder, limits on time and memory, its messages kept
 //! read    .node, .ele, .face
 //! runaway whether a result is refined without end
+//! thin    parts that would take very many tetrahedra
 //! verify  what a result must satisfy to count; TetGen's exit code is not to be trusted
 //! explain its messages as diagnostics with names and coordinates
 //! ```
@@ -31,6 +32,7 @@ pub mod ladder;
 pub mod place;
 pub mod read;
 mod runaway;
+mod thin;
 pub mod verify;
 
 pub use find::Program;

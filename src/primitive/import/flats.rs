@@ -1,5 +1,5 @@
-//! Pieces of one plane become one polygon: files of triangles hold many that were one facet, and fewer facets are intersected,
-//! written and meshed faster.
+//! Pieces of one plane become one facet: files of triangles hold many that were one, and fewer facets are intersected, written
+//! and meshed faster.
 
 use super::Surface;
 use super::sides::Sides;
@@ -8,10 +8,12 @@ use crate::geom::hash::IndexMap;
 use crate::geom::lists::Lists;
 use crate::geom::polygon::{is_planar, triangulate, vector_area};
 use crate::geom::union_find::UnionFind;
+use crate::primitive::solid::Facets;
 
-/// The surface with every set of polygons of one group that lie within `flatness` of a plane, and are together a simple polygon
-/// without a point inside, as that polygon; `None` if there is no such set. The volume changes by rounding only. O(n log n).
-pub(super) fn join(surface: &Surface, sides: &Sides, flatness: f64) -> Option<Surface> {
+/// The facets of the surface, where every set of polygons of one group that lie within `flatness` of a plane, and are together
+/// a polygon, with holes or without, that has no further point inside, is that polygon; `None` if there is no such set. The
+/// volume changes by rounding only. O(n log n).
+pub(super) fn join(surface: &Surface, sides: &Sides, flatness: f64) -> Option<Facets> {
     let count = surface.polygons.count();
     let planes: Vec<Plane> = surface.polygons.iter().map(|walk| Plane::of(walk, &surface.points)).collect();
     let mut sets = UnionFind::new(count);
@@ -50,27 +52,26 @@ impl Plane {
     }
 }
 
-/// Each set in the place of its first polygon, as one polygon where it can be.
-fn collect(surface: &Surface, sets: UnionFind, flatness: f64) -> Option<Surface> {
+/// Each set in the place of its first polygon, as one facet where it can be.
+fn collect(surface: &Surface, sets: UnionFind, flatness: f64) -> Option<Facets> {
     let (set_of, count) = sets.number();
     let members = Lists::from_iter(count, set_of.into_iter().zip(0u32..));
     if members.count() == surface.polygons.count() {
         return None;
     }
-    let (mut polygons, mut group_of) = (Lists::default(), Vec::new());
+    let mut facets = Facets::default();
     for own in members.iter() {
         let group = surface.group_of[own[0] as usize];
         match (own.len() > 1).then(|| outline(surface, own, flatness)).flatten() {
-            Some(walk) => polygons.push(walk),
-            None => own.iter().for_each(|&k| polygons.push(surface.polygons.of(k).iter().copied())),
+            Some(loops) => facets.push(loops, group),
+            None => own.iter().for_each(|&k| facets.push([surface.polygons.of(k).iter().copied()], group)),
         }
-        group_of.resize(polygons.count(), group);
     }
-    Some(Surface { points: surface.points.clone(), polygons, group_of })
+    Some(facets)
 }
 
-/// The one loop around polygons, if it is a simple polygon of few enough corners and has all their points.
-fn outline(surface: &Surface, own: &[u32], flatness: f64) -> Option<Vec<u32>> {
+/// The loops around polygons, the outer one first, if they bound a polygon of few enough corners that has all their points.
+fn outline(surface: &Surface, own: &[u32], flatness: f64) -> Option<Vec<Vec<u32>>> {
     let walks = || own.iter().map(|&k| surface.polygons.of(k));
     let sides = || walks().flat_map(|w| (0..w.len()).map(move |k| [w[k], w[(k + 1) % w.len()]]));
     let mut all: Vec<[u32; 2]> = sides().collect();
@@ -83,19 +84,32 @@ fn outline(surface: &Surface, own: &[u32], flatness: f64) -> Option<Vec<u32>> {
     }
     let mut points: Vec<u32> = all.iter().map(|side| side[0]).collect();
     points.dedup();
-    let start = sides().map(|side| side[0]).find(|a| next.contains_key(a))?;
-    let (mut walk, mut at) = (Vec::with_capacity(next.len()), start);
-    while let Some(onward) = next.remove(&at) {
-        walk.push(at);
-        at = onward;
+    if next.len() != points.len() || points.len() > MOST_CORNERS {
+        return None;
     }
-    let is_whole = at == start && walk.len() == points.len() && walk.len() <= MOST_CORNERS;
-    let is_simple = || triangulate(&[&walk], &[], &[], &surface.points).is_ok_and(|t| t.len() + 2 == walk.len());
-    let is_flat = || is_planar(&[&walk], &surface.points, flatness);
+    let mut loops: Vec<Vec<u32>> = Vec::new();
+    for [start, _] in sides() {
+        let (mut walk, mut at) = (Vec::new(), start);
+        while let Some(onward) = next.remove(&at) {
+            walk.push(at);
+            at = onward;
+        }
+        if at != start {
+            return None;
+        }
+        loops.extend((!walk.is_empty()).then_some(walk));
+    }
+    let area = |walks: &[Vec<u32>]| vector_area(walks.iter().map(Vec::as_slice), &surface.points);
+    let whole = area(&loops);
+    // Holes turn the other way.
+    let is_outer = |walk: &Vec<u32>| area(std::slice::from_ref(walk)).dot(&whole) > 0.0;
+    let outer = loops.iter().position(is_outer)?;
+    loops[..=outer].rotate_right(1);
+    let all: Vec<&[u32]> = loops.iter().map(Vec::as_slice).collect();
+    let is_one = loops.iter().skip(1).all(|walk| !is_outer(walk));
     // Walked around inside out, it would turn over.
-    let is_along = || {
-        let whole = vector_area([&walk[..]], &surface.points);
-        walks().all(|w| vector_area([w], &surface.points).dot(&whole) > 0.0)
-    };
-    (is_whole && is_flat() && is_along() && is_simple()).then_some(walk)
+    let is_along = || walks().all(|w| vector_area([w], &surface.points).dot(&whole) > 0.0);
+    let triangles = points.len() + 2 * (loops.len() - 1);
+    let is_simple = || triangulate(&all, &[], &[], &surface.points).is_ok_and(|t| t.len() + 2 == triangles);
+    (is_one && is_planar(&all, &surface.points, flatness) && is_along() && is_simple()).then_some(loops)
 }

@@ -116,6 +116,52 @@ fn pieces_of_a_plane_become_one_polygon() {
     assert_eq!(read("p.off", &cut(&["3 4 5 6", "3 4 6 7", "3 4 6 5", "3 4 5 6"])).unwrap_err().code, "self-intersection");
 }
 
+/// A square plate with a square hole through it, its top, bottom and walls in triangles, turned by this angle.
+fn plate_with_hole(angle: f64) -> String {
+    let square = |r: f64, z: f64| [[-r, -r, z], [r, -r, z], [r, r, z], [-r, r, z]];
+    let turn = nalgebra::Rotation3::new(Vec3::new(0.3, -1.1, 0.7).normalize() * angle);
+    let points = [square(3.0, 0.0), square(1.0, 0.0), square(3.0, 1.0), square(1.0, 1.0)].concat();
+    let mut lines: Vec<String> =
+        points.iter().map(|p| turn * Vec3::from(*p)).map(|p| format!("{} {} {}", p.x, p.y, p.z)).collect();
+    let mut quads = Vec::new();
+    for (a, b) in [(0, 1), (1, 2), (2, 3), (3, 0)] {
+        // Bottom, top, outer wall, wall of the hole.
+        quads.extend([
+            [a, a + 4, b + 4, b],
+            [a + 8, b + 8, b + 12, a + 12],
+            [a, b, b + 8, a + 8],
+            [b + 4, a + 4, a + 12, b + 12],
+        ]);
+    }
+    let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+    lines.extend(triangles.map(|[a, b, c]| format!("3 {a} {b} {c}")));
+    format!("OFF\n16 32 0\n{}\n", lines.join("\n"))
+}
+
+#[test]
+fn pieces_of_a_plane_around_a_hole_become_one_facet() {
+    for angle in [0.0, 0.7, 2.1] {
+        let solid = read(&format!("hole{angle}.off"), &plate_with_hole(angle)).unwrap();
+        let mut loops: Vec<Vec<usize>> = solid.facets.iter().map(|f| f.loops.iter().map(<[u32]>::len).collect()).collect();
+        loops.sort();
+        let walls = vec![vec![4]; 8];
+        assert_eq!(loops, [walls, vec![vec![4, 4]; 2]].concat(), "turned by {angle}");
+        let volume: f64 = solid
+            .facets
+            .iter()
+            .flat_map(|f| triangulate(&f.loops.iter().collect::<Vec<_>>(), &[], &[], &points_of(&solid)).unwrap())
+            .map(|t| t.map(|v| solid.vertices[v as usize].point))
+            .map(|[a, b, c]| a.dot(&b.cross(&c)) / 6.0)
+            .sum();
+        // Read at twice the size.
+        assert!((volume - 8.0 * 32.0).abs() < 1e-9, "{volume}");
+    }
+}
+
+fn points_of(solid: &Solid) -> Vec<Vec3> {
+    solid.vertices.iter().map(|v| v.point).collect()
+}
+
 /// The text of an STL of these facets; the size of the cube is 2 sqrt 3 with the scale of 2.
 fn stl(facets: &[[[f64; 3]; 3]]) -> String {
     let vertex = |p: &[f64; 3]| format!("vertex {} {} {}\n", p[0], p[1], p[2]);
@@ -279,6 +325,14 @@ fn what_is_thinner_than_the_tolerance_stays_where_the_file_is_closed() {
     let fault = read("x.stl", &stl(&[rounded, block([0., 0., 2.], [1., 1., 2. + 1e-7])].concat())).unwrap_err();
     assert_eq!(fault.code, "self-intersection");
     assert!(fault.hints.iter().any(|h| h.contains("smaller `tolerance`")), "{fault:?}");
+}
+
+#[test]
+fn a_far_point_that_makes_all_others_one_is_told() {
+    let mut facets = block([0.0; 3], [1.0; 3]);
+    facets[0][0][2] = 1e8;
+    let fault = read("far.stl", &stl(&facets)).unwrap_err();
+    assert!(fault.code == "no-volume" && fault.hints.iter().any(|h| h.contains("became one")), "{fault:?}");
 }
 
 #[test]
