@@ -407,6 +407,13 @@ impl Workpiece {
         })
     }
 
+    /// Whether an edge between two vertices would be longer than one that it replaces, and than any should be.
+    pub fn would_lengthen(&self, replaced: EdgeId, [a, b]: [VertexId; 2]) -> bool {
+        let length = (self.point(a) - self.point(b)).norm();
+        let size = 0.5 * (self.sizes[a.index()] + self.sizes[b.index()]);
+        length > THIN_LONGEST * size && length > self.length(replaced)
+    }
+
     /// Brings every vertex onto its curve or surface, as far as nothing flips.
     fn settle(&mut self) {
         for v in self.active_vertices() {

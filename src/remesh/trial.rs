@@ -147,7 +147,7 @@ impl<'a> Trial<'a> {
     pub fn swap(&mut self, edge: EdgeId, is_forced: bool) -> Option<Vec<VertexId>> {
         let plan = if is_forced { self.work.plan_any_swap(edge) } else { self.work.plan_swap(edge) };
         let (plan, _) = plan.filter(|(_, effect)| if is_forced { effect.is_legal() } else { effect.is_better() })?;
-        if !self.is_regular(edge) {
+        if !self.is_regular(edge) || self.work.would_lengthen(edge, plan.opposite) {
             return None;
         }
         let before = self.work.flaws(&plan.facets);
