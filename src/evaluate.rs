@@ -8,16 +8,19 @@
 //!
 //! # Steps
 //! ```text
-//! Solids ─ cull ─▶ Solids ─ contact ─▶ Conforming ─ arrangement ─▶ Arrangement ─ classify ─▶ Classified ─ select ─▶ Selected ─ round ─▶ Complex
+//! Solids ─ cull ─▶ Solids ─ contact ─▶ Conforming ─ arrangement ─▶ Arrangement ─ classify ─▶ Classified ─ select ─▶ Selected ─
+//! round ─▶ Complex
 //! ```
 //! | step | does | files |
 //! |---|---|---|
 //! | cull | sets aside what cannot reach the result, where many leaves lie over one place | `cull/` |
 //! | contact | welds and imprints what touches within the tolerance; the only tolerance | `contact/` |
-//! | arrangement | cuts triangles exactly over interned implicit points | `arrangement/{broad_phase,intersect,graph,crossings,subdivide,coincide}.rs`, signs in `point.rs`, `exact.rs` |
+//! | arrangement | cuts triangles exactly over interned implicit points |
+//! `arrangement/{broad_phase,intersect,graph,crossings,subdivide,coincide}.rs`, signs in `point.rs`, `exact.rs` |
 //! | classify | sorts pieces around edges, spreads labels from one ray per component | `classify/{edges,labels,raycast}.rs` |
 //! | select | folds the decision table, gives names, merges pieces to polygons | `select/{table,decide,markers,merge}.rs` |
-//! | round | dissolves, rounds, triangulates, numbers regions, verifies, repairs | `round/{dissolve,collapse,touching,facets,regions,repair,freedom}.rs` |
+//! | round | dissolves, rounds, triangulates, numbers regions, verifies, repairs |
+//! `round/{dissolve,collapse,touching,facets,regions,repair,freedom}.rs` |
 //!
 //! # Departures from the thesis
 //! All operands at once instead of pairs (2.2.4); exact signs, which the thesis gave up as too slow (6.1); labels on both sides

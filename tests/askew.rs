@@ -80,8 +80,8 @@ fn the_stretch_is_a_trace_and_leaves_what_is_straight() {
 #[test]
 fn nothing_passes_through_what_is_near() {
     let path = folder("askew_near");
-    // Corners around an axis, too far apart for the tolerance of 0.125: a thousandth of it is taken. The cube of 0.0002 is as far
-    // above the body, which a hundredth of 0.125 would lift over it. The body's leg is askew.
+    // Corners around an axis, too far apart for the tolerance of 0.125: a thousandth of it is taken. The cube of 0.0002 is as
+    // far above the body, which a hundredth of 0.125 would lift over it. The body's leg is askew.
     let text = r#"Scene(units: "mm", tolerance: 1e-3, parts: [
         Part(name: "air", solid: Block(min: (-60, -60, -60), max: (60, 60, 60))),
         Part(name: "body", solid: Union([Block(min: (-20, -20, -40), max: (20, 20, 40)),
@@ -145,8 +145,8 @@ fn only_what_would_meet_stays() {
 #[test]
 fn notched_strips_are_meshed() {
     let path = folder("askew_notched");
-    // The rod pierces the ring's strips: what is left of their edges beside its holes is in line but for rounding. TetGen died in
-    // all orders of the vertices.
+    // The rod pierces the ring's strips: what is left of their edges beside its holes is in line but for rounding. TetGen died
+    // in all orders of the vertices.
     let turned = |solid: &str| format!("Rotate(axis: (0.639, -0.247, -0.361), angle: 34.321, solid: {solid})");
     let scene = format!(
         "Scene(units: \"mm\", parts: [

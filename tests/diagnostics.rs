@@ -109,7 +109,8 @@ fn each_of_many_named_sides_is_found() {
         list(&side)
     );
     assert_eq!(warnings("boundary_many.ron", &text), [""; 0]);
-    // Two parts of one and the same solid, a body and what is left around it: the part that is listed first names their contact.
+    // Two parts of one and the same solid, a body and what is left around it: the part that is listed first names their
+    // contact.
     let shared = r#"Scene(units: "mm", parts: [
         Part(name: "body", solid: Block(name: "box", size: (2, 2, 2), center: (0, 0, 0)), boundaries: [Side(name: "own", of: "box")]),
         Part(name: "mould", solid: Difference([Block(size: (4, 4, 4), center: (0, 0, 0)),

@@ -1,5 +1,6 @@
 //! Random scenes: boxes on a grid against counted voxels, trees of all primitives against set identities, assemblies against
-//! the box that encloses them, nests of shells against the cubes of their sizes. GSM_RANDOM is the number of each kind, GSM_RANDOM_SEED the first; a failure prints its scene.
+//! the box that encloses them, nests of shells against the cubes of their sizes. GSM_RANDOM is the number of each kind,
+//! GSM_RANDOM_SEED the first; a failure prints its scene.
 
 mod evaluated;
 #[path = "random/generator.rs"]
@@ -150,8 +151,8 @@ fn assemblies_tile_the_box_that_encloses_them() {
     });
 }
 
-/// Imports, sweeps, patterns, scales and mirrors. Each tree is measured in company of the other, since coaxial solids are divided
-/// alike.
+/// Imports, sweeps, patterns, scales and mirrors. Each tree is measured in company of the other, since coaxial solids are
+/// divided alike.
 #[test]
 fn all_kinds_of_solids_keep_the_identities_of_sets() {
     run("all kinds", |random| {

@@ -41,8 +41,8 @@ fn a_thin_shell_gets_no_million_triangles() {
     assert!(least > 25.0 && count < 100_000, "{least} {count}");
 }
 
-/// The rim of a sheet of 35 micrometres stays the strips that it is, 0.035 by 5.2 mm: as triangles they had angles of 1.7 degrees,
-/// a fifth of them below 30. Where a given deviation is finer than that of the strips (0.17), they are treated.
+/// The rim of a sheet of 35 micrometres stays the strips that it is, 0.035 by 5.2 mm: as triangles they had angles of 1.7
+/// degrees, a fifth of them below 30. Where a given deviation is finer than that of the strips (0.17), they are treated.
 #[test]
 fn the_rim_of_a_sheet_stays_strips() {
     let disc = r#"Part(name: "disc", solid: Cylinder(radius: 20, height: 0.035))"#;
@@ -79,8 +79,8 @@ fn a_shield_thinner_than_its_chords_sag_is_remeshed() {
     assert!(least > 35.0 && below == 0.0 && count > 5000, "{least} {below} {count}");
 }
 
-/// Chords of 24 segments sag by 0.56 outside, 0.44 inside. Triangles that deviate by 1 would be 20 long, longer than the wall is
-/// thick: the strips stay. Where the wall is thicker, the deviation finer, or short edges are asked for, they do not.
+/// Chords of 24 segments sag by 0.56 outside, 0.44 inside. Triangles that deviate by 1 would be 20 long, longer than the wall
+/// is thick: the strips stay. Where the wall is thicker, the deviation finer, or short edges are asked for, they do not.
 #[test]
 fn strips_beside_a_thin_wall_stay_where_they_may() {
     let triangles = |wall: u32, deviation: f64, part: &str| {
@@ -141,7 +141,8 @@ fn a_wall_that_touches_a_rod_stays_whole() {
     assert!(least > 30.0 && below == 0.0, "{least} {below}");
 }
 
-/// Every surface keeps a deviation of its own: once the sphere of air set that of the wire in it, which lost half of its volume.
+/// Every surface keeps a deviation of its own: once the sphere of air set that of the wire in it, which lost half of its
+/// volume.
 #[test]
 fn a_wire_stays_a_wire_in_a_large_sphere_of_air() {
     let folder = folder("remeshed-wire");
@@ -187,8 +188,8 @@ fn icosphere() -> String {
     format!("OFF\n162 320 0\n{points}{facets}")
 }
 
-/// The walls and the pierced top and bottom of an imported plate lie in planes: they are polygons with a hole, which Full leaves
-/// alone, straight or turned. As triangles with a smooth support they were divided, and merged again to ragged pieces.
+/// The walls and the pierced top and bottom of an imported plate lie in planes: they are polygons with a hole, which Full
+/// leaves alone, straight or turned. As triangles with a smooth support they were divided, and merged again to ragged pieces.
 #[test]
 fn planar_facets_of_an_import_stay_polygons() {
     let square = |r: f64, z: f64| format!("-{r} -{r} {z}\n{r} -{r} {z}\n{r} {r} {z}\n-{r} {r} {z}\n");
@@ -238,8 +239,9 @@ fn above_bound(name: &str, deviation: f64) -> u64 {
     report["tets"]["above_bound"].as_u64().unwrap_or_else(|| panic!("{name}: {report}"))
 }
 
-/// A vertex in the smallest sphere of an edge makes TetGen split it and many around: with nine such edges on three_cylinders, three
-/// on union_two_differences and nine, with three triangles, on cylinders_union_difference 15, 5 and 24 tetrahedra stayed above.
+/// A vertex in the smallest sphere of an edge makes TetGen split it and many around: with nine such edges on three_cylinders,
+/// three on union_two_differences and nine, with three triangles, on cylinders_union_difference 15, 5 and 24 tetrahedra stayed
+/// above.
 #[test]
 fn nothing_is_in_the_spheres_of_edges_and_triangles() {
     assert_eq!(above_bound("cone", 0.46), 0);
@@ -248,8 +250,8 @@ fn nothing_is_in_the_spheres_of_edges_and_triangles() {
     assert!(above_bound("cylinders_union_difference", 1.3) <= 5);
 }
 
-/// A winding with the outline of a core, straight where the core is round: between them lie slivers of air. One was turned inside
-/// out as both its sides went to their true surfaces; nothing met, but no point was inside of it: exit code 70.
+/// A winding with the outline of a core, straight where the core is round: between them lie slivers of air. One was turned
+/// inside out as both its sides went to their true surfaces; nothing met, but no point was inside of it: exit code 70.
 #[test]
 fn no_sliver_between_surfaces_is_turned_inside_out() {
     let scene = r#"Scene(units: "mm", triangulated: true, parts: [

@@ -119,7 +119,8 @@ const NEAR: f64 = 1e3;
 const ROUND: f64 = f64::EPSILON / 2.0;
 
 impl<'a> Points<'a> {
-    /// The store over explicit vertices; `bounds` are those of the model, whose size tells how exact a place has to be, or empty.
+    /// The store over explicit vertices; `bounds` are those of the model, whose size tells how exact a place has to be, or
+    /// empty.
     pub fn new(explicit: &'a [Vec3], bounds: &Aabb) -> Self {
         let bounds = if bounds.is_empty() { Aabb::around(explicit) } else { *bounds };
         let size = bounds.diagonal().max(f64::MIN_POSITIVE);

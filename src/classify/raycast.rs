@@ -26,8 +26,9 @@ pub struct Rays<'a> {
     searches: Vec<Search>,
 }
 
-/// A tree over a leaf's triangles, made for the second ray: most leaves are met by one or none. Not `Sync`, on purpose: rays are
-/// cast one after the other, each only where the labels spread so far do not reach, so that threads would wait for each other.
+/// A tree over a leaf's triangles, made for the second ray: most leaves are met by one or none. Not `Sync`, on purpose: rays
+/// are cast one after the other, each only where the labels spread so far do not reach, so that threads would wait for each
+/// other.
 #[derive(Default)]
 struct Search {
     is_repeated: Cell<bool>,

@@ -12,7 +12,7 @@ use crate::report::timing::Timings;
 use crate::report::volume::VolumeReport;
 use crate::scene;
 use crate::scene::model::{MeshOptions, RemeshMode, Thresholds};
-use crate::tetgen::{self, Input, Meshed, Options, Program, find};
+use crate::tetgen::{self, Input, Meshed, Options, Program, find, thin};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::io;
@@ -81,6 +81,13 @@ pub fn run(args: &MeshArgs, session: &mut Session) -> io::Result<Exit> {
             return complain(faults, args, session, exit);
         }
     };
+    if let Some(thin) = thin::warning(&task.input) {
+        // Before the long work; with JSON there is no before.
+        match args.common.json {
+            true => task.warnings.push(thin),
+            false => session.complain(&[thin], &args.path, ""),
+        }
+    }
     let options = Options { on_attempt: session.progress(), ..options(args, &task.wanted) };
     let mut result = timings.measure("tetgen", || tetgen::mesh(&task.input, &programs, &options));
     if let Err(faults) = &result

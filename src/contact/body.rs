@@ -128,8 +128,9 @@ impl<'a> Body<'a> {
     }
 }
 
-/// The largest coordinate that says where a solid is within the bounds of the model: those of vertices there, and of facets that
-/// come there the part along their normals. A tool that is much larger is known no better far out, but that decides nothing.
+/// The largest coordinate that says where a solid is within the bounds of the model: those of vertices there, and of facets
+/// that come there the part along their normals. A tool that is much larger is known no better far out, but that decides
+/// nothing.
 fn reach(solid: &Solid, bounds: &Aabb) -> f64 {
     let at = |v: &u32| &solid.vertices[*v as usize].point;
     let own = Aabb::around(solid.vertices.iter().map(|v| &v.point));

@@ -1,7 +1,7 @@
 //! Pairs of facets of different leaves that come near each other.
 //!
-//! Boxes tell, but the box of a cap with a bore holds all that lies in the bore: with facets of many corners, the boxes of others
-//! are compared as they are seen along an axis, too.
+//! Boxes tell, but the box of a cap with a bore holds all that lies in the bore: with facets of many corners, the boxes of
+//! others are compared as they are seen along an axis, too.
 
 use super::body::Body;
 use super::figure::Figure;

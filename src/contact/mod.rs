@@ -63,8 +63,8 @@ const NEAR: f64 = 4.0; // Twice "nearly two".
 /// `pieces` tells what is known to become of the facets, if anything is: those that are set aside are compared with none.
 ///
 /// `tolerance` is absolute, `leaf_tolerance` that of leaves with their own (imports); between two leaves the coarser holds, and
-/// none falls below the rounding of the coordinates in `bounds`, the box of what parts can claim. `names` says how messages call
-/// a leaf. Points keep scene order: vertices of leaves first, then crossings.
+/// none falls below the rounding of the coordinates in `bounds`, the box of what parts can claim. `names` says how messages
+/// call a leaf. Points keep scene order: vertices of leaves first, then crossings.
 ///
 /// # Errors
 /// `feature-below-tolerance`: two vertices of one leaf within its tolerance. `contact-chain`: contacts that hang together but

@@ -206,8 +206,8 @@ pub fn broken(scene: &Scene, complex: &Complex, faults: &[Fault]) -> Vec<Diagnos
             continue;
         }
         let [a, b] = leaves.map(|l| leaf_name(scene, l));
-        let what = &fault.what;
-        let text = format!("facets of {a} and {b} come so near that rounding to 64-bit coordinates makes them meet ({what})");
+        let text =
+            format!("facets of {a} and {b} come so near that rounding to 64-bit coordinates makes them meet or turn over");
         out.push(
             Diagnostic::error("rounding", text)
                 .at(a.span)

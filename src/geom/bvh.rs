@@ -322,7 +322,7 @@ mod tests {
     }
 
     #[test]
-    fn large_trees_built_in_halves_are_the_same() {
+    fn large_trees_built_in_halves_find_all() {
         let boxes: Vec<Aabb> = scattered().into_iter().cycle().take(3 * PARALLEL_FROM).collect();
         let tree = Bvh::new(boxes.clone());
         let query = boxes[7].inflated(0.5);

@@ -176,7 +176,8 @@ impl<'a> Caster<'a> {
             if best.get() < until.min(beyond_all) {
                 return (best.get() > least).then_some(best.get());
             }
-            if until.is_nan() || until >= beyond_all {
+            let is_more_beyond = until < beyond_all;
+            if !is_more_beyond {
                 return None;
             }
             until = (4.0 * until).max(f64::MIN_POSITIVE);

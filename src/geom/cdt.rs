@@ -46,11 +46,15 @@ impl Cdt {
     /// Of places, with the edges between some of them. An edge may be given several times.
     ///
     /// # Errors
-    /// The number of a place that cannot stay: two places are the same, a coordinate is none, or an edge from there crosses another
-    /// one or passes through a place.
+    /// The number of a place that cannot stay: two places are the same, a coordinate is none, or an edge from there crosses
+    /// another one or passes through a place.
     pub fn new(at: impl IntoIterator<Item = [f64; 2]>, edges: &[[usize; 2]]) -> Result<Self, usize> {
         let sites: Vec<Site> = at.into_iter().map(place).enumerate().map(|(slot, at)| Site { at, slot }).collect();
         let count = sites.len();
+        if let Some(wrong) = sites.iter().position(|s| [s.at.x, s.at.y].iter().any(|x| spade::validate_coordinate(*x).is_err()))
+        {
+            return Err(wrong);
+        }
         let spade = Spade::bulk_load(sites).map_err(|_| 0usize)?;
         let mut handles = vec![None; count];
         spade.vertices().for_each(|v| handles[slot(v)] = Some(v.fix()));
@@ -61,7 +65,7 @@ impl Cdt {
         // From the end with fewer edges: the search goes round it.
         let mut busy = vec![0u32; count];
         edges.iter().flatten().for_each(|&slot| busy[slot] += 1);
-        for &[a, b] in edges {
+        for [a, b] in scattered(edges.len()).map(|k| edges[k]) {
             let [from, to] = if busy[a] <= busy[b] { [a, b] } else { [b, a] };
             if cdt.spade.try_add_constraint(cdt.handle(from), cdt.handle(to)).len() != 1 {
                 return Err(from);
@@ -74,6 +78,14 @@ impl Cdt {
     pub fn handle(&self, slot: usize) -> FixedVertexHandle {
         self.handles[slot]
     }
+}
+
+/// The numbers below `count`, each once, far from the one before: by their bits in reverse. Of long edges side by side, as a
+/// comb has, each one that is inserted after its neighbour would have to be crossed by all edges that this one left.
+fn scattered(count: usize) -> impl Iterator<Item = usize> {
+    let bits = usize::BITS - count.saturating_sub(1).leading_zeros();
+    let reversed = move |k: usize| k.reverse_bits().checked_shr(usize::BITS - bits).unwrap_or(0);
+    (0..1 << bits).map(reversed).filter(move |&k| k < count)
 }
 
 /// Flushes what spade would refuse as too small; whoever needs exact signs asks the true coordinates.
@@ -104,6 +116,16 @@ mod tests {
     }
 
     #[test]
+    fn scattered_numbers_come_once() {
+        for count in [0, 1, 2, 3, 7, 8, 9, 100] {
+            let mut all: Vec<usize> = scattered(count).collect();
+            all.sort_unstable();
+            assert!(all.into_iter().eq(0..count));
+        }
+        assert_eq!(scattered(8).collect::<Vec<_>>(), [0, 4, 2, 6, 1, 5, 3, 7]);
+    }
+
+    #[test]
     fn what_cannot_stay_is_named() {
         let square = || [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.5]];
         assert!(Cdt::new(square(), &[[0, 1], [1, 0], [0, 4]]).is_ok());
@@ -111,6 +133,6 @@ mod tests {
         assert_eq!(Cdt::new(square(), &[[0, 2]]).err(), Some(0));
         assert_eq!(Cdt::new(grid(2), &[[0, 3], [1, 2]]).err(), Some(1));
         assert_eq!(Cdt::new([[0.0, 0.0], [1.0, 0.0], [0.0, 0.0]], &[]).err().map(|k| k % 2), Some(0));
-        assert!(Cdt::new([[0.0, f64::NAN]], &[]).is_err());
+        assert_eq!(Cdt::new([[0.0, 1.0], [0.0, f64::NAN]], &[]).err(), Some(1));
     }
 }

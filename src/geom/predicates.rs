@@ -58,7 +58,8 @@ fn orient3d_in_doubt(a: &Vec3, b: &Vec3, c: &Vec3, d: &Vec3) -> Sign {
 }
 
 /// [`orient3d`] where points of a body that is prismatic along an axis make it a matter of two dimensions: all lie at one
-/// height, or one of them above another. Such points are often coplanar, and comparisons take a tenth of the time of long numbers.
+/// height, or one of them above another. Such points are often coplanar, and comparisons take a tenth of the time of long
+/// numbers.
 fn orient3d_of_prism(points: [&Vec3; 4]) -> Option<Sign> {
     let is_level = |k: usize| points.iter().all(|p| p[k] == points[0][k]);
     if (0..3).any(is_level) {

@@ -128,7 +128,8 @@ pub struct Image {
 
 /// Steps after which the iteration for an image gives up improving; near the surface three are enough.
 const IMAGE_STEPS: usize = 60;
-/// Distance from an image towards a centre of curvature, in radii, up to which steps follow its bending: well before the centre.
+/// Distance from an image towards a centre of curvature, in radii, up to which steps follow its bending: well before the
+/// centre.
 const NEAR_IMAGE: f64 = 0.5;
 /// Such a step, in radii of curvature, after which the foot is exact but for rounding, by quadratic convergence.
 const LAST_STEP: f64 = 1e-8;

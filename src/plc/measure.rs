@@ -48,9 +48,10 @@ const WANTED_ERROR: f64 = 1e-11;
 /// sums, with room.
 const TERM_ERROR: f64 = 8.0 * f64::EPSILON;
 
-/// What the walls enclose, with sign, for each of `count` bodies; sides with other numbers are in none. Each is summed about a vertex of its own, so that a small one
-/// far from the origin loses no digits, and summed again in double-double arithmetic where the terms cancel more than
-/// [`WANTED_ERROR`] allows: a shell of a thickness of 1e-9 of its size still has its volume to the last digits.
+/// What the walls enclose, with sign, for each of `count` bodies; sides with other numbers are in none. Each is summed about a
+/// vertex of its own, so that a small one far from the origin loses no digits, and summed again in double-double arithmetic
+/// where the terms cancel more than [`WANTED_ERROR`] allows: a shell of a thickness of 1e-9 of its size still has its volume to
+/// the last digits.
 pub fn enclosed_volumes<I: Iterator<Item = Wall>>(count: usize, walls: impl Fn() -> I) -> Vec<f64> {
     let mut sums = vec![Sum::default(); count];
     for (corners, sides) in walls() {

@@ -1,20 +1,21 @@
 //! General position: a trace of stretch for what lies askew, of which TetGen would die.
 //!
-//! The corners of a circle lie on one circle, those of a rectangle too. In a plane along the axes all signs that TetGen takes of
-//! them are exact zeros, which it knows how to break. In any other plane rounding puts each corner a little above or below the
-//! plane; four of them, on one circle but for rounding as well, then span a flat tetrahedron that no other corner is nearer to,
-//! and TetGen 1.5 does not find the facet among such tetrahedra: of single cylinders and cones, freely turned, it loses
+//! The corners of a circle lie on one circle, those of a rectangle too. In a plane along the axes all signs that TetGen takes
+//! of them are exact zeros, which it knows how to break. In any other plane rounding puts each corner a little above or below
+//! the plane; four of them, on one circle but for rounding as well, then span a flat tetrahedron that no other corner is nearer
+//! to, and TetGen 1.5 does not find the facet among such tetrahedra: of single cylinders and cones, freely turned, it loses
 //! every second one (abort, crash or endless loop).
 //!
-//! So what hangs together and has such a polygon is stretched along the axes, by factors that differ from 1 and from each other,
-//! until its corners have moved by a hundredth of the tolerance, or more far from the origin. Circles become ellipses, and no
-//! corner is on the circle of three others by a distance that is 10000 times what rounding moves it out of the plane. Planes stay
-//! planes, those along the axes exactly so; contacts stay what they are, since what touches hangs together. What does not touch
-//! is mostly further apart than that; it is proved that nothing meets, and pieces that would meet something stay as they were.
+//! So what hangs together and has such a polygon is stretched along the axes, by factors that differ from 1 and from each
+//! other, until its corners have moved by a hundredth of the tolerance, or more far from the origin. Circles become ellipses,
+//! and no corner is on the circle of three others by a distance that is 10000 times what rounding moves it out of the plane.
+//! Planes stay planes, those along the axes exactly so; contacts stay what they are, since what touches hangs together. What
+//! does not touch is mostly further apart than that; it is proved that nothing meets, and pieces that would meet something stay
+//! as they were.
 //!
 //! Another cause of death is a polygon with a notch in an edge, which leaves two edges in line but for rounding: it is given to
-//! TetGen in its triangles, unless the complex was remeshed: there most such corners are the remesher's, off the line by a trace,
-//! and triangles of these polygons are needles that gain nothing.
+//! TetGen in its triangles, unless the complex was remeshed: there most such corners are the remesher's, off the line by a
+//! trace, and triangles of these polygons are needles that gain nothing.
 //!
 //! What stands free, with no air around it, gets a lone vertex in each such circle besides: see `pins`.
 //!
@@ -42,7 +43,8 @@ const SHARE: f64 = 0.01;
 const MOST: f64 = 1e-10;
 /// Ways, in units in the last place of the largest coordinate, that are too small to tell from rounding.
 const LEAST_ULPS: f64 = 16.0;
-/// Distance of a corner from the circle of three others, in its radii, below which it is on it: what contact leaves of a circle.
+/// Distance of a corner from the circle of three others, in its radii, below which it is on it: what contact leaves of a
+/// circle.
 const ROUND: f64 = 1e-9;
 /// Distance of a corner from the line of an edge, in sizes, below which it is on it: rounding, and nothing else.
 const IN_LINE: f64 = 1e-12;
@@ -51,12 +53,12 @@ const MANY: usize = 200;
 /// Pairs that meet which are looked for at once, and how often, before all pieces are put back: what meets is rare.
 const PAIRS: usize = 1000;
 const ROUNDS: usize = 4;
-/// Stretch along x, y and z. Together they keep volumes. Planes exist in which such a stretch leaves circles round: they hold the
-/// x axis, and are inclined to the others by angles that people hardly give (61.7 degrees).
+/// Stretch along x, y and z. Together they keep volumes. Planes exist in which such a stretch leaves circles round: they hold
+/// the x axis, and are inclined to the others by angles that people hardly give (61.7 degrees).
 const ALONG: Vec3 = Vec3::new(0.31, -1.0, 0.69);
 
-/// A complex in which what lies askew is in general position, with the same names, numbers and loops; new are only lone vertices,
-/// at the end of the vertices and of their facets' loops.
+/// A complex in which what lies askew is in general position, with the same names, numbers and loops; new are only lone
+/// vertices, at the end of the vertices and of their facets' loops.
 ///
 /// `tolerance` is the one that decided what touches, in the scene's unit; `is_remeshed` tells whether the remesher saw the
 /// complex. Pieces whose polygons would not be planar to rounding, or not simple, stay as they are; so do those that would meet
@@ -131,8 +133,8 @@ impl Pieces {
         facet.loops.iter().flatten().next().map_or(0, |v| self.of[v.index()] as usize)
     }
 
-    /// Divides polygons of such pieces in which another corner lies in line with an edge: TetGen 1.5 loses an edge among the flat
-    /// triangles that it makes of these, and merges the triangles that it is given. Where one of them is flat, all stays.
+    /// Divides polygons of such pieces in which another corner lies in line with an edge: TetGen 1.5 loses an edge among the
+    /// flat triangles that it makes of these, and merges the triangles that it is given. Where one of them is flat, all stays.
     fn divide_aligned(&self, complex: &mut Complex, points: &[Vec3], size: f64) {
         let mut facets = Vec::with_capacity(complex.facets.len());
         for facet in std::mem::take(&mut complex.facets) {
@@ -214,8 +216,8 @@ impl Pieces {
     }
 }
 
-/// Whether a polygon is not exactly in one plane, has four corners in a row on one circle but for rounding, and no edge along an
-/// axis: TetGen copes with all others, and the coordinates of what stands straight are to stay what the user wrote.
+/// Whether a polygon is not exactly in one plane, has four corners in a row on one circle but for rounding, and no edge along
+/// an axis: TetGen copes with all others, and the coordinates of what stands straight are to stay what the user wrote.
 fn is_askew(facet: &ComplexFacet, complex: &Complex) -> bool {
     let Some(&[a, b, c]) = facet.triangles.first().filter(|_| facet.triangles.len() > 1) else { return false };
     let point = |v: VertexId| complex.vertices[v].point;

@@ -1,8 +1,8 @@
 //! Lone vertices in polygons of what stands free, so that no circle through their corners is empty.
 //!
 //! Where air surrounds a stretched body, TetGen finds its polygons. Where nothing does, faces of the convex hull run through
-//! them, and corners of one circle still span flat tetrahedra there: of bodies without air every second one is lost. One vertex in
-//! the circle, which TetGen takes for a vertex that the facet has to keep, leaves none of these tetrahedra Delaunay.
+//! them, and corners of one circle still span flat tetrahedra there: of bodies without air every second one is lost. One vertex
+//! in the circle, which TetGen takes for a vertex that the facet has to keep, leaves none of these tetrahedra Delaunay.
 
 use super::{Circle, Pieces, flatness};
 use crate::brep::complex::{Complex, ComplexFacet, ComplexVertex};

@@ -2,10 +2,9 @@
 //!
 //! Steps: points of equal coordinates become one, those within its tolerance too (of STL by default), unless the surface is
 //! closed without that and a shell would collapse or touch itself ([`weld`]); polygons that collapse vanish, those without area
-//! become a part of a neighbour ([`flat`]); polygons that are not planar or not simple become triangles; every directed edge must
-//! be matched; shells that are inside out are turned ([`nesting`]); pieces of one plane become one polygon ([`flats`]). Edges with
-//! several matched uses (two cubes that touch) are
-//! allowed.
+//! become a part of a neighbour ([`flat`]); polygons that are not planar or not simple become triangles; every directed edge
+//! must be matched; shells that are inside out are turned ([`nesting`]); pieces of one plane become one polygon ([`flats`]).
+//! Edges with several matched uses (two cubes that touch) are allowed.
 
 mod flat;
 mod flats;
@@ -35,8 +34,8 @@ const FLAT: f64 = 4.0 * f64::EPSILON;
 /// Edges at which facets turn by more are features (cosine of 40 degrees): coarser curved imports hardly exist.
 const FEATURE_COSINE: f64 = 0.766;
 /// Largest coordinate and smallest size of a file, in the scene's unit: what is written in scenes has narrower limits, but
-/// files with 3.4e38, the largest single number, exist and can be computed with. Beyond these, products of seven coordinates, of
-/// which a point of three planes is made, leave the range of floats.
+/// files with 3.4e38, the largest single number, exist and can be computed with. Beyond these, products of seven coordinates,
+/// of which a point of three planes is made, leave the range of floats.
 const LARGEST: f64 = 1e40;
 const SMALLEST: f64 = 1e-30;
 /// What to do about an open surface in general.

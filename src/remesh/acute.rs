@@ -83,8 +83,8 @@ impl Workpiece {
         seen_edges.chain(facets.into_iter().filter_map(|f| self.sight_of_facet(f))).collect()
     }
 
-    /// Mends what is seen too wide at the end; whether anything was done. What was tried in vain before is in `failed`, with the
-    /// places of all vertices around.
+    /// Mends what is seen too wide at the end; whether anything was done. What was tried in vain before is in `failed`, with
+    /// the places of all vertices around.
     pub fn clear_sights(&mut self, sights: Vec<Sight>, failed: &mut HashMap<Sight, Vec<Vec3>>) -> bool {
         let mut is_changed = false;
         for sight in sights {

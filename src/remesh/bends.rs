@@ -373,8 +373,8 @@ impl Bends<'_> {
         best.map(|b| b.1)
     }
 
-    /// What the triangles around a vertex become after a shift; `None` if that is not allowed, or if an angle gets smaller than it
-    /// was and than `keeps` degrees.
+    /// What the triangles around a vertex become after a shift; `None` if that is not allowed, or if an angle gets smaller than
+    /// it was and than `keeps` degrees.
     fn bent(&self, ring: &Ring, shift: &Shift, keeps: f64) -> Option<Measure> {
         let before = ring.before;
         let floor = before.cosine.max(cosine_of_degrees(keeps));

@@ -10,8 +10,8 @@ use std::collections::{BTreeMap, HashMap};
 
 /// Cosine of the turn past which an edge is sharp (40 degrees); the patches use the same.
 const CREASE_COSINE: f64 = 0.766;
-/// Distance from a plane that is rounding, as a fraction of the largest coordinate: that of corners, and as much again of points
-/// where facets cut each other.
+/// Distance from a plane that is rounding, as a fraction of the largest coordinate: that of corners, and as much again of
+/// points where facets cut each other.
 const FLAT: f64 = 8.0 * f64::EPSILON;
 
 /// Divides sampled surfaces along their sharp edges; gives for every surface, new ones included, the original.

@@ -17,13 +17,15 @@
 //!    fit the chords that had to stay.
 //! 6. Polish (`polish`), worst triangle first: the one of swap, collapse and relocation (`ring`: a pattern search) that raises
 //!    the smallest angle around most.
-//! 7. Thin out: collapse what shape and deviation do not need; split what still deviates too far; polish.
+//! 7. Thin out: collapse what shape and deviation do not need; split what still deviates too far, the halves of a chord evened
+//!    out with its neighbours; polish.
 //! 8. Obtuse triangles that are left: trials that begin with a step back, kept if the angles gain (`acute`).
-//! 9. Neighbouring facets almost in one plane are brought into it, or turned clear of it, and become polygons (`bends`). Edges and
-//!    triangles with a vertex in their smallest sphere, which TetGen would split, are cleared of it (`sight`).
+//! 9. Neighbouring facets almost in one plane are brought into it, or turned clear of it (`bends`), and become polygons.
 //! 10. Planar facets get new triangulations, and an exact test proves that nothing meets anything (`verify`). Surfaces at fault
 //!     are remeshed again with half the deviation, then without their facets there, as where needles are left; if nothing
 //!     helps, the complex stays as evaluated.
+//! 11. On a copy from before it had polygons, edges and triangles with a vertex in their smallest sphere, which TetGen would
+//!     split, are cleared of it (`sight`). The copy is taken if nothing is at fault that was not before.
 //!     Polygons get no corners that are straight but for rounding, of which TetGen would die: these are moved out by a trace,
 //!     or the polygon is cut (`straight`).
 //!
@@ -123,16 +125,17 @@ pub fn remesh(complex: Complex, options: &RemeshOptions, parts: &IdVec<PartId, P
     for left in (0..ATTEMPTS).rev() {
         let (mut work, limits) = retreat.begin(&complex, &supports, &gaps, options, parts)?;
         let is_done = work.remesh(&limits);
-        let mut plain = work.clone();
+        let rough = is_done.then(|| work.clone());
         if is_done {
-            plain.make_polygons();
+            work.make_polygons();
         }
-        let mut faults = plain.faults();
+        let mut faults = work.faults();
         // Half done, it has needles that would go.
         faults.retain(|f| is_done || f.is_contact);
         let is_last = !retreat.give_up(&faults, &complex, &supports) || left == 0;
         if is_last && faults.iter().all(|f| !f.is_contact) {
-            let work = work.cleared(&limits, faults.len()).unwrap_or(plain);
+            let cleared = rough.and_then(|rough| rough.cleared(&limits, faults.len()));
+            let work = cleared.unwrap_or(work);
             let mut done = work.brep.to_complex();
             straight::cut_unsound(&mut done, &evaluated);
             creases::restore(&mut done, &original, &evaluated.surfaces);

@@ -21,8 +21,8 @@ use crate::primitive::solid::Freedom;
 const LEAST_GAIN: f64 = 3e-3;
 const NEEDLE_GAIN: f64 = 0.2;
 
-/// Least part of an edge that a split leaves on each side. Sites lie at a third to a half of it; beside the end of a surface that
-/// is a guess, the nearest point may be that of an end instead, and the same edge would be split again and again.
+/// Least part of an edge that a split leaves on each side. Sites lie at a third to a half of it; beside the end of a surface
+/// that is a guess, the nearest point may be that of an end instead, and the same edge would be split again and again.
 const LEAST_PIECE: f64 = 0.1;
 
 /// The cosine of the smallest angle past which an angle is raised.

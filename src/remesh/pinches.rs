@@ -1,7 +1,7 @@
 //! Places where feature curves are apart on the facets, but coincide on the true surfaces.
 //!
-//! Where a rim lies on another surface, or surfaces are almost tangent, facets cross in a zigzag beside the rim. The true curves
-//! are one, or nearly so: vertices that went there would leave nothing between them. Such facets stay as evaluated.
+//! Where a rim lies on another surface, or surfaces are almost tangent, facets cross in a zigzag beside the rim. The true
+//! curves are one, or nearly so: vertices that went there would leave nothing between them. Such facets stay as evaluated.
 //!
 //! ```text
 //! facets:  rim ───────────────   true:  ═════════════

@@ -47,8 +47,10 @@ const LEAST_DROP: f64 = 0.05;
 
 /// Thinning out collapses edges below this many wanted lengths as long as none above that arises; so often at most.
 const THIN_BELOW: f64 = 1.1;
-const THIN_LONGEST: f64 = 1.5;
 const THIN_ROUNDS: usize = 3;
+/// The longest edges, in wanted lengths, that thinning out and the clearing at the end may make: the largest that a user
+/// allows.
+const THIN_LONGEST: f64 = 1.5;
 
 /// Weights of obtuse angles: in polishing and where obtuse triangles are mended at last; in the last polish and for bends.
 /// TetGen cuts edges that see an obtuse angle. Without them in the last polish, the least angles are a degree larger, and a
@@ -223,8 +225,8 @@ impl Workpiece {
         self.grade_sizes();
     }
 
-    /// Length of the chords about a vertex of a curve: of its longer one, or the mean with the next ones on both sides if that is
-    /// more. Halves of a chord among whole ones would keep their size for themselves, and two triangles beside the vertex
+    /// Length of the chords about a vertex of a curve: of its longer one, or the mean with the next ones on both sides if that
+    /// is more. Halves of a chord among whole ones would keep their size for themselves, and two triangles beside the vertex
     /// between them one right angle each.
     fn chord_near(&self, vertex: VertexId) -> Option<f64> {
         let own: Vec<EdgeId> = self.chords_at(vertex).collect();

@@ -17,10 +17,11 @@ const PATIENCE: f64 = 4.0;
 /// Splitting an edge shorter than this many wanted lengths makes triangles that are too small.
 const SHORTEST_SPLIT: f64 = 0.9;
 
-/// Rings around an edge in which strain is lessened, and how often all vertices there are looked at.
+/// Rings around an edge in which strain is lessened, and how often at most the vertices there are looked at.
 const EASED_RINGS: usize = 2;
 const SWEEPS: usize = 12;
-/// Sweeps after which something has to be gained.
+/// The sweep, counted from 0, from whose end on something has to be gained: what helps at all does so soon (with 5 the results
+/// are the same).
 const HOPEFUL: usize = 1;
 
 /// What has been done in a trial, and is undone with.

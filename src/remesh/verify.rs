@@ -1,4 +1,5 @@
-//! The last word on a remeshed model: planar facets triangulated again, and an exact test that nothing meets anything or is turned inside out.
+//! The last word on a remeshed model: planar facets triangulated again, and an exact test that nothing meets anything or is
+//! turned inside out.
 //!
 //! Operators look at the triangles around them and at the polygons beside, not at surfaces across a gap. So the whole is proved
 //! at the end, and where it fails the surfaces involved are remeshed closer to their true shape, or not at all there.
@@ -47,8 +48,8 @@ impl Workpiece {
         meeting.chain(needles).collect()
     }
 
-    /// Facets around regions and voids that are turned inside out: two surfaces that nearly coincide have passed each other as a
-    /// whole, and nothing meets.
+    /// Facets around regions and voids that are turned inside out: two surfaces that nearly coincide have passed each other as
+    /// a whole, and nothing meets.
     fn turned(&self) -> Vec<FacetId> {
         let topology = &self.brep.topology;
         let shells = topology.shells().filter(|&s| (self.brep.shell_volume6(s) > 0.0) != topology.is_outer(s));

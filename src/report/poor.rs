@@ -97,6 +97,8 @@ fn shortest_edge(mesh: &Mesh, corners: [NodeId; 4]) -> [NodeId; 2] {
 struct Features {
     /// Surfaces between creases, by their numbers.
     patches: BTreeMap<NodeId, BTreeSet<u32>>,
+    /// Patches that meet in an edge, smaller number first.
+    meeting: BTreeSet<[u32; 2]>,
     /// Feature curves between their ends, by their numbers.
     curves: BTreeMap<NodeId, BTreeSet<u32>>,
     /// Nodes of edges where surfaces meet under a sharp angle.
@@ -116,6 +118,7 @@ impl Features {
         let mut features = Self::default();
         let mut patches = UnionFind::new(mesh.triangles.len());
         let mut edges: Vec<[NodeId; 2]> = Vec::new();
+        let mut creases: Vec<[u32; 2]> = Vec::new();
         for run in around.chunk_by(|p, q| p.0 == q.0) {
             let ends = run[0].0;
             let length = (mesh.nodes[ends[1]] - mesh.nodes[ends[0]]).norm();
@@ -126,7 +129,11 @@ impl Features {
             let angle = smallest_angle(mesh, ends, run);
             match run {
                 [p, q] if angle > 180.0 - CREASE && marker(mesh, p.1) == marker(mesh, q.1) => patches.join(p.1, q.1),
-                _ => edges.push(ends),
+                _ => {
+                    edges.push(ends);
+                    let all = run.iter().flat_map(|p| run.iter().map(move |q| [p.1, q.1]));
+                    creases.extend(all.filter(|[a, b]| a < b));
+                }
             }
             if angle < SHARP {
                 features.sharp.extend(ends);
@@ -136,6 +143,8 @@ impl Features {
             let patch = patches.find(k as u32);
             t.corners.iter().for_each(|&v| _ = features.patches.entry(v).or_default().insert(patch));
         }
+        features.meeting =
+            creases.into_iter().map(|pair| pair.map(|t| patches.find(t))).map(|[a, b]| [a.min(b), a.max(b)]).collect();
         features.find_curves(&edges);
         features
     }
@@ -162,13 +171,14 @@ impl Features {
         }
         let of = |sets: &BTreeMap<NodeId, BTreeSet<u32>>| ends.map(|v| sets.get(&v).cloned().unwrap_or_default());
         let [p, q] = of(&self.curves);
-        if !p.is_empty() && !q.is_empty() && p.union(&q).nth(1).is_some() {
+        if !p.is_empty() && !q.is_empty() && p.is_disjoint(&q) {
             return Some(Forced::TwoCurves);
         }
         let [p, q] = of(&self.patches);
         let size = ends.iter().filter_map(|v| self.sizes.get(v)).copied().fold(0.0, f64::max);
-        let is_gap = !p.is_empty() && !q.is_empty() && p.is_disjoint(&q) && length < NEAR * size;
-        is_gap.then_some(Forced::Gap)
+        let meet = |a: u32, b: u32| a == b || self.meeting.contains(&[a.min(b), a.max(b)]);
+        let are_apart = !p.is_empty() && !q.is_empty() && p.iter().all(|&a| q.iter().all(|&b| !meet(a, b)));
+        (are_apart && length < NEAR * size).then_some(Forced::Gap)
     }
 }
 
@@ -230,8 +240,9 @@ mod tests {
     fn creases_and_sharp_edges_force() {
         // Both ends on the border of one surface: one curve.
         assert_eq!(forced(&SPLINTER, &[[0, 1, 2]]), None);
-        // A crease of 90 degrees ends where the border passes.
-        assert_eq!(forced(&SPLINTER, &[[0, 1, 2], [0, 1, 3]]), Some(Forced::TwoCurves));
+        // Across a crease of 90 degrees, and along it.
+        assert_eq!(forced(&SPLINTER, &[[0, 2, 3], [1, 2, 3]]), Some(Forced::TwoCurves));
+        assert_eq!(forced(&SPLINTER, &[[0, 1, 2], [0, 1, 3]]), None);
         let mut leaning = SPLINTER;
         leaning[3] = [0.0, 1.7, 1.0];
         assert_eq!(forced(&leaning, &[[0, 1, 2], [0, 1, 3]]), Some(Forced::SharpEdge));

@@ -25,7 +25,7 @@ mod repair;
 mod touching;
 mod verify;
 
-pub use verify::Fault;
+pub use verify::{Breach, Fault};
 
 use crate::arrangement::Arrangement;
 use crate::brep::complex::{Complex, ComplexFacet, ComplexSurface, ComplexVertex, KilledFacet};
@@ -72,7 +72,7 @@ pub struct Repairs {
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Repaired {
     /// What two facets did there.
-    pub what: String,
+    pub what: Breach,
     /// The interfaces or boundaries that the facets belong to.
     pub markers: [String; 2],
     /// A point of it.
@@ -83,7 +83,7 @@ impl Repairs {
     fn of(complex: &Complex, faults: &[Fault]) -> Self {
         let is_first = |k: usize| faults[..k].iter().all(|f| f.what != faults[k].what);
         let name = |facet| complex.markers[complex.facets[facet].marker].name.clone();
-        let place = |f: &Fault| Repaired { what: f.what.clone(), markers: f.facets.map(name), point: f.point.into() };
+        let place = |f: &Fault| Repaired { what: f.what, markers: f.facets.map(name), point: f.point.into() };
         let places = (0..faults.len()).filter(|&k| is_first(k)).map(|k| place(&faults[k])).collect();
         Self { rounds: 0, contacts: faults.len(), places }
     }

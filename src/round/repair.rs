@@ -64,7 +64,11 @@ pub fn join_edges(complex: &Complex, faults: &[Fault], reach: f64) -> Option<Dra
     let mut loops: collapse::Loops =
         complex.facets.iter().map(|f| f.loops.iter().map(|walk| walk.iter().map(|v| v.0).collect()).collect()).collect();
     let places: Vec<Vec3> = complex.vertices.iter().map(|v| v.point).collect();
-    let met: Vec<[usize; 2]> = faults.iter().map(|fault| fault.facets.map(Id::index)).collect();
+    let mut met: Vec<[usize; 2]> = faults.iter().map(|fault| fault.facets.map(Id::index)).collect();
+    // The same two may meet in many places.
+    met.iter_mut().for_each(|pair| pair.sort_unstable());
+    met.sort_unstable();
+    met.dedup();
     let changed = touching::cut(&mut loops, &met, &places, reach);
     let facets = complex.facets.iter().map(Lineage::of).collect();
     (!changed.is_empty()).then_some(Draft { facets, loops, explicit: places.len(), places })

@@ -1,4 +1,5 @@
-//! Vertices that rounding pushed onto or through an edge, of their own facet or of one that they meet, become vertices of that edge.
+//! Vertices that rounding pushed onto or through an edge, of their own facet or of one that they meet, become vertices of that
+//! edge.
 //!
 //! Two segments that do not meet are nearest in an end of one of them. If the ends move by a few units in the last place and
 //! the segments meet then, one of the ends is that near to the other segment: cutting edges at near vertices undoes every

@@ -15,13 +15,24 @@ use crate::ids::{FacetId, Id, PartId, VertexId};
 /// Faults listed before giving up counting.
 const LIMIT: usize = 64;
 
+/// What two facets do where a complex is broken.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Breach {
+    /// One is on the other side of the other at their edge.
+    TurnedOver,
+    /// They meet.
+    #[serde(untagged)]
+    Meeting(embedding::Kind),
+}
+
 /// A place where a complex is broken.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Fault {
     /// The facets.
     pub facets: [FacetId; 2],
     /// What they do there.
-    pub what: String,
+    pub what: Breach,
     /// A point of it, to rounding.
     pub point: Vec3,
 }
@@ -60,7 +71,7 @@ fn contacts(complex: &Complex) -> Vec<Fault> {
     }
     let facet = |t: u32| FacetId::new(ends.partition_point(|&end| end <= t as usize));
     let fault =
-        |v: &embedding::Violation| Fault { facets: v.triangles.map(facet), what: format!("{:?}", v.kind), point: v.point };
+        |v: &embedding::Violation| Fault { facets: v.triangles.map(facet), what: Breach::Meeting(v.kind), point: v.point };
     found.iter().map(fault).collect()
 }
 
@@ -154,5 +165,5 @@ fn first_mismatch(complex: &Complex, parts: &[Option<PartId>], lower: VertexId, 
     let k = (0..n).find(|&k| of(k)[1] != of((k + 1) % n)[0])?;
     let [a, b] = [lower, uses[k].upper].map(|v| complex.vertices[v].point);
     let facets = [uses[k].facet, uses[(k + 1) % n].facet];
-    Some(Fault { facets, what: "TurnedOver".to_owned(), point: (a + b) * 0.5 })
+    Some(Fault { facets, what: Breach::TurnedOver, point: (a + b) * 0.5 })
 }

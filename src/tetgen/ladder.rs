@@ -123,9 +123,6 @@ fn told(place: &Place, improvements: &str) -> String {
 pub fn mesh(input: &Input, programs: &[Program], options: &Options) -> Outcome<Meshed> {
     let mut climb = Climb { attempts: Vec::new(), logs: Vec::new(), runaway: None, time: options.time };
     let task = Task { input, options };
-    if let (Some(tell), Some(thin)) = (options.on_attempt, thin::forecast(input)) {
-        tell(&format!("tetgen: {thin}"));
-    }
     'rungs: for (program, place) in rungs(input, programs) {
         // What is exact counts more than what is small.
         if matches!(place, Place::Moved(..)) && (climb.runaway.is_some() || !place.is_valid(input)) {

@@ -32,7 +32,7 @@ pub mod ladder;
 pub mod place;
 pub mod read;
 mod runaway;
-mod thin;
+pub mod thin;
 pub mod verify;
 
 pub use find::Program;

@@ -1,7 +1,8 @@
-//! Parts so thin that TetGen needs very many tetrahedra, told before it starts: it would run until its limits, without a mesh.
+//! Parts so thin that TetGen needs very many tetrahedra, to be told before it starts: it would run until its limits, without a
+//! mesh.
 
 use super::input::Input;
-use crate::diag::short;
+use crate::diag::{Diagnostic, short};
 use crate::io::mesh::RegionNumber;
 use std::collections::BTreeMap;
 
@@ -12,7 +13,12 @@ const PER_SQUARE: f64 = 4.0;
 /// Tetrahedra that take TetGen minutes and gigabytes.
 const MANY: f64 = 1e7;
 
-/// What to say of the part that needs the most tetrahedra, if these are very many.
+/// A warning about the part that needs the most tetrahedra, if these are very many.
+pub fn warning(input: &Input) -> Option<Diagnostic> {
+    forecast(input).map(|thin| Diagnostic::warning("thin-part", thin))
+}
+
+/// What to say of that part.
 pub(super) fn forecast(input: &Input) -> Option<String> {
     let mut areas: BTreeMap<RegionNumber, f64> = BTreeMap::new();
     for (triangles, &[front, behind]) in input.triangles.iter().zip(&input.sides) {

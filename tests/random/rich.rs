@@ -195,8 +195,8 @@ impl Generator {
         }
     }
 
-    /// Shells in one another, outermost first: a solid that every ray from the origin leaves once, in falling sizes; and the share
-    /// of its volume that each keeps.
+    /// Shells in one another, outermost first: a solid that every ray from the origin leaves once, in falling sizes; and the
+    /// share of its volume that each keeps.
     pub fn nest(&mut self) -> Vec<(String, f64)> {
         let round = self.division();
         let core = match self.below(5) {

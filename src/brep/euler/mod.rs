@@ -3,18 +3,24 @@
 //! All counts are counts of *uses*, and a facet has two, so an operator acts on both sides at once. For every operator
 //! V - E + F - L = 2 (R + S - H) holds for what it adds (k: fins around the edge, n: edges of the facet):
 //!
-//! | operator           | inverse  | V    | E    | F  | L  | R  | S  | H  | what it makes                                      |
+//! | operator           | inverse  | V    | E    | F  | L  | R  | S  | H  | what it makes
+//! |
 //! |--------------------|----------|------|------|----|----|----|----|----|----------------------------------------------------|
-//! | `mvfr`             | `kvfr`   | +2   |      | +2 |    | +1 | +1 |    | region of one vertex and one facet; the facet's front is a new inner shell of the region around |
-//! | `mev`              | `kev`    | +2   | +2   |    |    |    |    |    | spur: edge into a facet with a new vertex at its end |
-//! | `mev_in_edge`      | `kev`    | +k   | +k   |    |    |    |    |    | vertex inside an edge, for all k fins               |
-//! | `mev_fan`          | `kev`    | +k   | +k   |    |    |    |    |    | vertex parted in two: some edges move to the new one |
-//! | `mef`              | `kef`    |      | +2   | +2 |    |    |    |    | edge across a facet                                 |
-//! | `mef_in_edge`      | `kef_digon` |   | +2   | +2 |    |    |    |    | edge parted in two with a facet of two edges between |
-//! | `mekl`             | `keml`   |      | +2   |    | -2 |    |    |    | edge from a loop to an inner loop                   |
-//! | `mfklh`            | `kfmlh`  |      |      | +2 | -2 |    | +s | -h | inner loop becomes a facet; per side either a handle goes (h) or the shell falls apart (s), s + h = 2 |
-//! | `mskr`             | `ksmr`   |      |      |    |    | -1 | +1 |    | region becomes part of another, its outer shell an inner one |
-//! | `mffr`             | `kffr`   | +n   | +n   | +2 |    | +1 |    |    | double facet over a cycle of n half-edges parts a region; (or H -1 if it does not) |
+//! | `mvfr`             | `kvfr`   | +2   |      | +2 |    | +1 | +1 |    | region of one vertex and one facet; the facet's
+//! front is a new inner shell of the region around | | `mev`              | `kev`    | +2   | +2   |    |    |    |    |    |
+//! spur: edge into a facet with a new vertex at its end | | `mev_in_edge`      | `kev`    | +k   | +k   |    |    |    |    |
+//! | vertex inside an edge, for all k fins               |
+//! | `mev_fan`          | `kev`    | +k   | +k   |    |    |    |    |    | vertex parted in two: some edges move to the new
+//! one | | `mef`              | `kef`    |      | +2   | +2 |    |    |    |    | edge across a facet
+//! |
+//! | `mef_in_edge`      | `kef_digon` |   | +2   | +2 |    |    |    |    | edge parted in two with a facet of two edges
+//! between | | `mekl`             | `keml`   |      | +2   |    | -2 |    |    |    | edge from a loop to an inner loop
+//! |
+//! | `mfklh`            | `kfmlh`  |      |      | +2 | -2 |    | +s | -h | inner loop becomes a facet; per side either a
+//! handle goes (h) or the shell falls apart (s), s + h = 2 | | `mskr`             | `ksmr`   |      |      |    |    | -1 | +1
+//! |    | region becomes part of another, its outer shell an inner one |
+//! | `mffr`             | `kffr`   | +n   | +n   | +2 |    | +1 |    |    | double facet over a cycle of n half-edges parts a
+//! region; (or H -1 if it does not) |
 //!
 //! V counts vertex uses, E edge uses (pairs of mates, so as many as fins), F face uses, L inner loops of face uses, R outer and
 //! S inner shells, H handles (sum of the shells' genera); see `check` for how each is counted.

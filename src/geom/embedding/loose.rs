@@ -34,8 +34,8 @@ pub struct LooseViolation {
 
 /// All contacts of segments with triangles, and of segments with each other, other than in shared vertices and whole shared
 /// edges; at most `limit`. A segment with twice the same vertex is a lone vertex. The triangles are those of
-/// [`super::violations`]; those without area are passed over. Cost: O(n log² n + pairs that no plane is found between + pairs of
-/// a segment and a triangle whose boxes overlap).
+/// [`super::violations`]; those without area are passed over. Cost: O(n log² n + pairs that no plane is found between + pairs
+/// of a segment and a triangle whose boxes overlap).
 pub fn loose_violations(points: &[Vec3], triangles: &[[u32; 3]], segments: &[[u32; 2]], limit: usize) -> Vec<LooseViolation> {
     if segments.is_empty() {
         return Vec::new();

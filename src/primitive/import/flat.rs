@@ -16,8 +16,8 @@ const LINE: f64 = 4.0;
 const SEVERAL: u32 = u32::MAX;
 
 /// Takes polygons without area out of the surface, all that have one neighbour beyond their longest edge and their other
-/// corners on it, to rounding, and in order along it; the others stay. O(n) if there are any, plus the corners of those that are
-/// changed.
+/// corners on it, to rounding, and in order along it; the others stay. O(n) if there are any, plus the corners of those that
+/// are changed.
 pub(super) fn absorb(surface: &mut Surface) {
     let flatness = surface.flatness();
     let is_flat = |walk: &[u32]| vector_area([walk], &surface.points) == Vec3::zeros();

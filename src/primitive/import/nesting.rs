@@ -18,8 +18,8 @@ struct Shell {
     around: Vec<u32>,
 }
 
-/// Turns shells so that outermost ones enclose what lies in them. The triangles are those of the polygons, each with its polygon,
-/// and meet in whole vertices and edges only. O(n log n), and the depth for each shell.
+/// Turns shells so that outermost ones enclose what lies in them. The triangles are those of the polygons, each with its
+/// polygon, and meet in whole vertices and edges only. O(n log n), and the depth for each shell.
 ///
 /// # Errors
 /// `nested-shells`: one that lies directly in another one is oriented as that one, so that nobody knows what is inside.

@@ -15,8 +15,8 @@ struct Fin {
     is_upwards: bool,
 }
 
-/// The shell of each polygon, and how many there are. The triangles are those of the polygons, each with its polygon, and meet in
-/// whole vertices and edges only; the sides at every edge match.
+/// The shell of each polygon, and how many there are. The triangles are those of the polygons, each with its polygon, and meet
+/// in whole vertices and edges only; the sides at every edge match.
 ///
 /// Around an edge of several bodies, neighbors that run in opposite directions are joined, as brackets are: shells then nowhere
 /// cross, so that each lies wholly inside or outside of every other, and each is oriented in itself, whatever the others are.
