@@ -14,10 +14,10 @@
 //!
 //! Another cause of death are corners in line but for rounding: TetGen triangulates each polygon corner by corner, in the order of
 //! the loop. A corner in line with an edge that is there already divides it; if instead two of them come before the edge's end,
-//! rounding decides which of the edges that they make hides the other, and at times an edge of the loop is not found any more
-//! (`sscoutsegment`; of polygons with six corners within an edge, every third one). So polygons with two further corners on
-//! the line of an edge are given to TetGen in its triangles, which it merges again, whatever stands askew. One corner alone does
-//! no harm there; but among stretched pieces a notch in an edge, which leaves two edges in line, does: these polygons are
+//! rounding decides which of the edges that they make is outermost, and at times an edge of the loop is not found any more
+//! (`sscoutsegment`; of polygons with six corners within an outer edge, every third one). So polygons with two further corners on
+//! the line of an outer edge are given to TetGen in their triangles, which it merges again, whatever stands askew. One corner
+//! alone does no harm; but among stretched pieces a notch in an edge, which leaves two edges in line, does: these polygons are
 //! divided as well, unless the complex was remeshed: there most such corners are the remesher's, off the line by a trace, and
 //! triangles of these polygons are needles that gain nothing.
 //!
@@ -51,7 +51,7 @@ const LEAST_ULPS: f64 = 16.0;
 const ROUND: f64 = 1e-9;
 /// Distance of a corner from the line of an edge, in sizes, below which it is on it: rounding, and nothing else.
 const IN_LINE: f64 = 1e-12;
-/// Corners in line with an edge, but for rounding, of which TetGen never died where nothing else was askew.
+/// Corners in line with an outer edge, but for rounding, of which TetGen never died where nothing else was askew.
 const HARMLESS: usize = 1;
 /// Polygons of more triangles are not searched for corners in line: every corner is compared with every edge.
 const MANY: usize = 200;
@@ -143,8 +143,9 @@ impl Pieces {
         let points: Vec<Vec3> = complex.vertices.iter().map(|v| v.point).collect();
         let mut facets = Vec::with_capacity(complex.facets.len());
         for facet in std::mem::take(&mut complex.facets) {
-            let most = if self.is_moved[self.of_facet(&facet)] && !is_remeshed { 0 } else { HARMLESS };
-            let is_meant = (3..=MANY).contains(&facet.triangles.len()) && aligned(&facet, &points, size) > most;
+            let is_any = self.is_moved[self.of_facet(&facet)] && !is_remeshed;
+            let most = if is_any { 0 } else { HARMLESS };
+            let is_meant = (3..=MANY).contains(&facet.triangles.len()) && aligned(&facet, !is_any, &points, size) > most;
             if is_meant && !facet.triangles.iter().any(|t| is_flat(t, &points, size)) {
                 facets.extend(facet.divided());
             } else {
@@ -270,17 +271,25 @@ fn flatness(points: &[Vec3]) -> f64 {
     PLANAR_ULPS * f64::EPSILON * points.iter().fold(Aabb::around(points).diagonal(), |m, p| m.max(p.amax()))
 }
 
-/// How many corners of a polygon lie in line with an edge that they do not end, at most; none if all of them do exactly.
-fn aligned(facet: &ComplexFacet, points: &[Vec3], size: f64) -> usize {
+/// How many corners of a polygon lie in line with an edge that they do not end, at most; none if all of them do exactly. With
+/// `is_outer` only edges count on one side of whose line all of the polygon is.
+fn aligned(facet: &ComplexFacet, is_outer: bool, points: &[Vec3], size: f64) -> usize {
     let sides = [Vec3::x(), Vec3::y(), Vec3::z()].map(|axis| Projection::along(&axis));
     let on_line = |walk: &[VertexId], k: usize| {
         let ends = [walk[k], walk[(k + 1) % walk.len()]];
         let [a, b] = ends.map(|v| points[v.index()]);
         let is_exact = |p: &Vec3| sides.iter().all(|s| orient2d(s.apply(&a), s.apply(&b), s.apply(p)) == 0);
         let along = (b - a).normalize();
+        let off = |p: &Vec3| along.cross(&(p - a));
         let others = walk.iter().filter(|v| !ends.contains(v)).map(|v| points[v.index()]);
-        let found: Vec<Vec3> = others.filter(|p| along.cross(&(p - a)).norm() <= IN_LINE * size).collect();
-        if found.iter().all(is_exact) { 0 } else { found.len() }
+        let found: Vec<Vec3> = others.filter(|p| off(p).norm() <= IN_LINE * size).collect();
+        let is_none = found.iter().all(is_exact)
+            || is_outer && {
+                let mut ways =
+                    facet.loops.iter().flatten().map(|v| off(&points[v.index()])).filter(|w| w.norm() > IN_LINE * size);
+                ways.next().is_some_and(|first| ways.any(|w| w.dot(&first) < 0.0))
+            };
+        if is_none { 0 } else { found.len() }
     };
     let walks = facet.loops.iter().filter(|w| w.len() > 4);
     walks.flat_map(|walk| (0..walk.len()).map(|k| on_line(walk, k))).max().unwrap_or(0)
