@@ -164,6 +164,86 @@ fn notched_strips_are_meshed() {
     assert!(path.join("askew.1.ele").exists());
 }
 
+/// The `.poly` with its vertices in another order, and each polygon from another corner on, every second one backwards.
+fn reordered(text: &str, order: usize) -> String {
+    let mut rows = text.lines().filter(|l| !l.starts_with('#')).map(str::to_owned).collect::<Vec<_>>().into_iter();
+    let number = |row: &str, k: usize| row.split_whitespace().nth(k).unwrap().parse::<usize>().unwrap();
+    let head = rows.next().unwrap();
+    let count = number(&head, 0);
+    let vertices: Vec<String> = rows.by_ref().take(count).collect();
+    // A prime that does not divide the number of vertices: each comes once.
+    let step = [1009, 2003, 3001, 4001].into_iter().find(|p| count % p != 0).unwrap();
+    let place = |vertex: usize| ((vertex - 1) * step + order) % count + 1;
+    let mut placed: Vec<(usize, &str)> =
+        vertices.iter().map(|row| row.split_once(' ').unwrap()).map(|(v, at)| (place(v.parse().unwrap()), at)).collect();
+    placed.sort_by_key(|(v, _)| *v);
+    let mut out = vec![head];
+    out.extend(placed.iter().map(|(v, at)| format!("{v} {at}")));
+    let facets = rows.next().unwrap();
+    let facet_count = number(&facets, 0);
+    out.push(facets);
+    for k in 0..facet_count {
+        let head = rows.next().unwrap();
+        let (polygons, holes) = (number(&head, 0), number(&head, 1));
+        out.push(head);
+        for row in rows.by_ref().take(polygons) {
+            let mut walk: Vec<usize> = row.split_whitespace().skip(1).map(|w| place(w.parse().unwrap())).collect();
+            let start = (k + order) % walk.len();
+            walk.rotate_left(start);
+            if (k + order) % 2 == 1 {
+                walk.reverse();
+            }
+            out.push(walk.iter().fold(walk.len().to_string(), |text, v| format!("{text} {v}")));
+        }
+        out.extend(rows.by_ref().take(holes));
+    }
+    out.extend(rows);
+    out.join("\n") + "\n"
+}
+
+#[test]
+fn corners_in_line_do_no_harm_in_any_order() {
+    let path = folder("askew_in_line");
+    // The links' lower edges divide the upper one of the base's side, but for rounding: two corners or more within one edge.
+    let links = r#"Scene(units: "mm", parts: [
+        Part(name: "air", solid: Block(size: (200, 200, 40), center: (40, 20, 0))),
+        Part(name: "link", copies: Linear(count: 5, step: ("20*cos(30)", "20*sin(30)", 0)),
+            solid: Rotate(axis: Z, angle: 30, solid: Block(min: (0, -5, 0), max: (20, 5, 8)))),
+        Part(name: "cover", solid: Rotate(axis: Z, angle: 30, solid: Block(min: (0, -5, 8), max: (100, 5, 10)))),
+        Part(name: "base", solid: Rotate(axis: Z, angle: 30, solid: Union([
+            Block(min: (0, -5, -2), max: (50, 0, 0)), Block(min: (50, -5, -2), max: (100, 5, 0))]))),
+    ])"#;
+    // Polygons with notches, in a body that is stretched: lines that are exact before are not after it.
+    let nest = r#"Scene(units: "mm",
+        solids: {
+            "a": Xor([Sphere(radius: 10), Block(size: (14, 14, 14), center: (0, 0, 0)),
+                Cylinder(radius: 5, height: 30, base: (0, 0, -15))]),
+            "b": Difference([Use("a"), Rotate(axis: (1, 1, 1), angle: 50, solid: Scale(by: 0.5, solid: Use("a")))]),
+            "c": Union([Use("b"), Translate(by: (12, 0, 0), solid: Mirror(normal: X, solid: Use("b")))]),
+            "d": Intersection([Use("c"), Block(min: (-20, -20, -9), max: (30, 20, 9))]),
+        },
+        parts: [
+            Part(name: "air", solid: Block(size: (80, 80, 80), center: (0, 0, 0))), Part(name: "thing", solid: Use("d")),
+            Part(name: "rest", solid: Difference([Cylinder(radius: 18, height: 20, base: (4, 0, -10)), Use("c")])),
+        ])"#;
+    let mut died = Vec::new();
+    for (name, scene, mode) in [("links", links, "off"), ("nest", nest, "off"), ("nest", nest, "interfaces")] {
+        vertices(&path, scene, mode);
+        let text = fs::read_to_string(path.join("askew.poly")).unwrap();
+        for order in 0..6 {
+            fs::write(path.join("order.poly"), reordered(&text, order)).unwrap();
+            let _ = fs::remove_file(path.join("order.1.ele"));
+            // Where it does not abort, it may run for ever; what is right takes a second.
+            let done = Command::new("timeout").args(["60", "tetgen", "-pAQ", "order.poly"]).current_dir(&path).output();
+            done.expect("TetGen is needed: apt-get install tetgen");
+            if !path.join("order.1.ele").exists() {
+                died.push(format!("{name} {mode} {order}"));
+            }
+        }
+    }
+    assert!(died.is_empty(), "{died:#?}");
+}
+
 #[test]
 fn without_air_each_circle_of_corners_gets_a_vertex() {
     let path = folder("askew_bare");

@@ -13,9 +13,14 @@
 //! does not touch is mostly further apart than that; it is proved that nothing meets, and pieces that would meet something stay
 //! as they were.
 //!
-//! Another cause of death is a polygon with a notch in an edge, which leaves two edges in line but for rounding: it is given to
-//! TetGen in its triangles, unless the complex was remeshed: there most such corners are the remesher's, off the line by a
-//! trace, and triangles of these polygons are needles that gain nothing.
+//! Another cause of death are corners in line but for rounding: TetGen triangulates each polygon corner by corner, in the order of
+//! the loop. A corner in line with an edge that is there already divides it; if instead two of them come before the edge's end,
+//! rounding decides which of the edges that they make is outermost, and at times an edge of the loop is not found any more
+//! (`sscoutsegment`; of polygons with six corners within an outer edge, every third one). So polygons with two further corners on
+//! the line of an outer edge are given to TetGen in their triangles, which it merges again, whatever stands askew. One corner
+//! alone does no harm; but among stretched pieces a notch in an edge, which leaves two edges in line, does: these polygons are
+//! divided as well, unless the complex was remeshed: there most such corners are the remesher's, off the line by a trace, and
+//! triangles of these polygons are needles that gain nothing.
 //!
 //! What stands free, with no air around it, gets a lone vertex in each such circle besides: see `pins`.
 //!
@@ -48,6 +53,8 @@ const LEAST_ULPS: f64 = 16.0;
 const ROUND: f64 = 1e-9;
 /// Distance of a corner from the line of an edge, in sizes, below which it is on it: rounding, and nothing else.
 const IN_LINE: f64 = 1e-12;
+/// Corners in line with an outer edge, but for rounding, of which TetGen never died where nothing else was askew.
+const HARMLESS: usize = 1;
 /// Polygons of more triangles are not searched for corners in line: every corner is compared with every edge.
 const MANY: usize = 200;
 /// Pairs that meet which are looked for at once, and how often, before all pieces are put back: what meets is rare.
@@ -69,17 +76,16 @@ pub fn position(mut complex: Complex, tolerance: f64, is_remeshed: bool) -> Comp
     let size = Aabb::around(&points).diagonal();
     // Far from the origin rounding grows with the coordinates, and with it what tells corners from those of a circle.
     let way = (SHARE * tolerance * (reach / size).max(1.0)).min(MOST * reach);
-    if way < LEAST_ULPS * f64::EPSILON * reach {
-        return complex;
-    }
     let mut pieces = Pieces::of(&complex);
+    if way < LEAST_ULPS * f64::EPSILON * reach {
+        pieces.is_moved.fill(false);
+    }
+    pieces.stretch(&mut complex, way);
+    // Now: lines that are exact before a stretch are not after it.
+    pieces.divide_aligned(&mut complex, size, is_remeshed);
     if !pieces.is_moved.contains(&true) {
         return complex;
     }
-    if !is_remeshed {
-        pieces.divide_aligned(&mut complex, &points, size);
-    }
-    pieces.stretch(&mut complex, way);
     let mut before = Before { points, triangles: Vec::new() };
     let mut unsound = pieces.renew_polygons(&mut complex, &mut before);
     for round in 1.. {
@@ -133,13 +139,16 @@ impl Pieces {
         facet.loops.iter().flatten().next().map_or(0, |v| self.of[v.index()] as usize)
     }
 
-    /// Divides polygons of such pieces in which another corner lies in line with an edge: TetGen 1.5 loses an edge among the
-    /// flat triangles that it makes of these, and merges the triangles that it is given. Where one of them is flat, all stays.
-    fn divide_aligned(&self, complex: &mut Complex, points: &[Vec3], size: f64) {
+    /// Divides polygons in which other corners lie in line with an edge: TetGen 1.5 loses an edge among the flat triangles that
+    /// it makes of these, and merges the triangles that it is given. Where one of them is flat, all stays.
+    fn divide_aligned(&self, complex: &mut Complex, size: f64, is_remeshed: bool) {
+        let points: Vec<Vec3> = complex.vertices.iter().map(|v| v.point).collect();
         let mut facets = Vec::with_capacity(complex.facets.len());
         for facet in std::mem::take(&mut complex.facets) {
-            let is_meant = (3..=MANY).contains(&facet.triangles.len()) && self.is_moved[self.of_facet(&facet)];
-            if is_meant && is_aligned(&facet, points, size) && !facet.triangles.iter().any(|t| is_flat(t, points, size)) {
+            let is_any = self.is_moved[self.of_facet(&facet)] && !is_remeshed;
+            let most = if is_any { 0 } else { HARMLESS };
+            let is_meant = (3..=MANY).contains(&facet.triangles.len()) && aligned(&facet, !is_any, &points, size) > most;
+            if is_meant && !facet.triangles.iter().any(|t| is_flat(t, &points, size)) {
                 facets.extend(facet.divided());
             } else {
                 facets.push(facet);
@@ -264,19 +273,28 @@ fn flatness(points: &[Vec3]) -> f64 {
     PLANAR_ULPS * f64::EPSILON * points.iter().fold(Aabb::around(points).diagonal(), |m, p| m.max(p.amax()))
 }
 
-/// Whether a corner of a polygon lies in line with an edge that it does not end, but for rounding and not exactly.
-fn is_aligned(facet: &ComplexFacet, points: &[Vec3], size: f64) -> bool {
+/// How many corners of a polygon lie in line with an edge that they do not end, at most; none if all of them do exactly. With
+/// `is_outer` only edges count on one side of whose line all of the polygon is.
+fn aligned(facet: &ComplexFacet, is_outer: bool, points: &[Vec3], size: f64) -> usize {
     let sides = [Vec3::x(), Vec3::y(), Vec3::z()].map(|axis| Projection::along(&axis));
-    facet.loops.iter().filter(|w| w.len() > 4).any(|walk| {
-        (0..walk.len()).any(|k| {
-            let ends = [walk[k], walk[(k + 1) % walk.len()]];
-            let [a, b] = ends.map(|v| points[v.index()]);
-            let is_exact = |p: &Vec3| sides.iter().all(|s| orient2d(s.apply(&a), s.apply(&b), s.apply(p)) == 0);
-            let along = (b - a).normalize();
-            let others = walk.iter().filter(|v| !ends.contains(v)).map(|v| points[v.index()]);
-            others.into_iter().any(|p| along.cross(&(p - a)).norm() <= IN_LINE * size && !is_exact(&p))
-        })
-    })
+    let on_line = |walk: &[VertexId], k: usize| {
+        let ends = [walk[k], walk[(k + 1) % walk.len()]];
+        let [a, b] = ends.map(|v| points[v.index()]);
+        let is_exact = |p: &Vec3| sides.iter().all(|s| orient2d(s.apply(&a), s.apply(&b), s.apply(p)) == 0);
+        let along = (b - a).normalize();
+        let off = |p: &Vec3| along.cross(&(p - a));
+        let others = walk.iter().filter(|v| !ends.contains(v)).map(|v| points[v.index()]);
+        let found: Vec<Vec3> = others.filter(|p| off(p).norm() <= IN_LINE * size).collect();
+        let is_none = found.iter().all(is_exact)
+            || is_outer && {
+                let mut ways =
+                    facet.loops.iter().flatten().map(|v| off(&points[v.index()])).filter(|w| w.norm() > IN_LINE * size);
+                ways.next().is_some_and(|first| ways.any(|w| w.dot(&first) < 0.0))
+            };
+        if is_none { 0 } else { found.len() }
+    };
+    let walks = facet.loops.iter().filter(|w| w.len() > 4);
+    walks.flat_map(|walk| (0..walk.len()).map(|k| on_line(walk, k))).max().unwrap_or(0)
 }
 
 /// Whether a corner of a triangle lies in line with the edge opposite.
