@@ -8,7 +8,7 @@ use super::workpiece::{Place, Workpiece};
 use crate::brep::local::Touched;
 use crate::brep::store::EdgeId;
 use crate::geom::Vec3;
-use crate::ids::{FacetId, Id, SurfaceId, VertexId};
+use crate::ids::{FacetId, Id, VertexId};
 use std::collections::{BinaryHeap, HashMap};
 
 /// Edges longer than this many wanted lengths are split, shorter than that collapsed. Their ratio is two, so that neither
@@ -56,14 +56,6 @@ const THIN_LONGEST: f64 = 1.5;
 /// TetGen cuts edges that see an obtuse angle. Without them in the last polish, the least angles are a degree larger, and a
 /// tenth more tetrahedra are needed.
 const OBTUSE: [f64; 2] = [MOST_OBTUSE, 0.25];
-
-/// Share of the triangles that may meet others before they are polished. Where it was 2 % at most, later steps parted them in
-/// some scenes; from 10 % on in none.
-const PARTING: f64 = 0.05;
-/// The same on any one surface, if that is more than a few triangles: a large model must not hide that one of its gaps is thinner
-/// than the chords beside it. 33 of 43 triangles of a small surface were parted later; 222 of 1394 were not.
-const PARTING_ON_ONE: f64 = 0.1;
-const FEW_ON_ONE: usize = 100;
 
 /// How often at most, when all else is done, edges and triangles are cleared of vertices in their spheres.
 const LAST_ROUNDS: usize = 4;
@@ -182,37 +174,6 @@ impl Workpiece {
     /// Vertices that are new or somewhere else.
     fn moved_since(&self, before: &[Vec3]) -> Vec<VertexId> {
         self.brep.topology.vertices().filter(|v| before.get(v.index()) != Some(&self.point(*v))).collect()
-    }
-
-    /// Whether facets meet and it is no use to go on: where surfaces are a guess, or at so many places that surfaces are nearer
-    /// to each other than their chords.
-    fn is_hopeless(&mut self, limits: &Limits) -> bool {
-        if !self.is_guess() && !limits.is_cramped.get() {
-            return false;
-        }
-        let faults = self.faults();
-        let meeting: Vec<SurfaceId> = faults.iter().filter(|f| f.is_contact).map(|f| f.surface).collect();
-        if self.is_guess() {
-            return !meeting.is_empty();
-        }
-        let treated =
-            self.brep.topology.facets().filter(|&f| self.is_treated(f)).map(|f| self.brep.facets[f].surface).collect();
-        let (meeting, treated): (Vec<usize>, Vec<usize>) = (self.by_surface(meeting), self.by_surface(treated));
-        let is_most = |(&meeting, &all): (&usize, &usize), share: f64| meeting as f64 > share * all as f64;
-        is_most((&meeting.iter().sum(), &treated.iter().sum()), PARTING)
-            || meeting.iter().zip(&treated).any(|one| *one.0 > FEW_ON_ONE && is_most(one, PARTING_ON_ONE))
-    }
-
-    /// By surface: how often it is among some.
-    fn by_surface(&self, of: Vec<SurfaceId>) -> Vec<usize> {
-        let mut counts = vec![0; self.supports.len()];
-        of.into_iter().for_each(|s| counts[s.index()] += 1);
-        counts
-    }
-
-    /// Whether a surface is known by its facets only.
-    fn is_guess(&self) -> bool {
-        self.supports.iter().flatten().any(|s| s.is_fitted())
     }
 
     /// Obtuse triangles count as sharp ones from here on; all measures change.
