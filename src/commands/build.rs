@@ -64,10 +64,6 @@ fn write(model: &mut Model, path: &Path) -> Result<(), Diagnostic> {
 }
 
 fn complain(faults: Vec<Diagnostic>, args: &BuildArgs, session: &mut Session, unit: &str) -> io::Result<Exit> {
-    if session.common.json {
-        session.json(&serde_json::json!({ "errors": faults }))?;
-    } else {
-        session.complain(&faults, &args.scene, unit);
-    }
+    session.fail(&faults, &args.scene, unit)?;
     Ok(Exit::of(&faults))
 }

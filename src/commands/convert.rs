@@ -42,11 +42,7 @@ pub fn run(args: &ConvertArgs, session: &mut Session) -> io::Result<Exit> {
             Ok(Exit::Good)
         }
         Err(faults) => {
-            if session.common.json {
-                session.json(&serde_json::json!({ "errors": faults }))?;
-            } else {
-                session.complain(&faults, &args.input, "");
-            }
+            session.fail(&faults, &args.input, "")?;
             Ok(Exit::of(&faults))
         }
     }

@@ -252,11 +252,7 @@ fn text(report: &MeshReport) -> String {
 }
 
 fn complain(faults: Vec<Diagnostic>, args: &MeshArgs, session: &mut Session, exit: Exit) -> io::Result<Exit> {
-    if session.common.json {
-        session.json(&serde_json::json!({ "errors": faults }))?;
-    } else {
-        session.complain(&faults, Path::new(&args.path), "");
-    }
+    session.fail(&faults, Path::new(&args.path), "")?;
     // A fault of gsm itself is one whatever was being done.
     Ok(if Exit::of(&faults) == Exit::Internal { Exit::Internal } else { exit })
 }

@@ -108,6 +108,18 @@ impl<'a> Session<'a> {
         serde_json::to_writer_pretty(&mut *self.out, value)?;
         self.out.write_all(b"\n")
     }
+
+    /// Tells why a command failed on a file: for scripts on standard output, else as [`Self::complain`] does.
+    ///
+    /// # Errors
+    /// Those of standard output.
+    pub fn fail(&mut self, faults: &[Diagnostic], file: &Path, unit: &str) -> io::Result<()> {
+        if self.common.json {
+            return self.json(&serde_json::json!({ "file": file.display().to_string(), "errors": faults }));
+        }
+        self.complain(faults, file, unit);
+        Ok(())
+    }
 }
 
 /// The fault of writing over the file that is read.

@@ -99,7 +99,7 @@ pub fn overlaps(scene: &Scene, arrangement: &Arrangement, classified: &Classifie
     let describe = |(&(a, b), set): (&(PartId, PartId), &BTreeSet<u32>)| {
         let (volume, place) = volume_of(arrangement, classified, set)?;
         let (a, b) = (&scene.parts[a], &scene.parts[b]);
-        let text = format!("parts `{}` and `{}` overlap in {volume:.6e} {}^3", a.name, b.name, scene.unit);
+        let text = format!("parts `{}` and `{}` overlap in {} {}^3", a.name, b.name, short(volume), scene.unit);
         let error = Diagnostic::error("overlap", text).at(b.span).near(place);
         Some(error.hint("subtract one from the other, or set `overlap: Allow`"))
     };

@@ -59,11 +59,11 @@ impl fmt::Display for PoorTet {
     }
 }
 
-/// The tetrahedra above a ratio, worst first, 1000 at most. Cost: the number of tetrahedra, and n log n in the triangles if any
-/// is above.
-pub fn poor_tets(mesh: &Mesh, ratio_bound: f64) -> Vec<PoorTet> {
+/// The tetrahedra of a mesh, of these shapes, above a ratio: worst first, 1000 at most. Cost: the number of tetrahedra, and
+/// n log n in the triangles if any is above.
+pub fn poor_tets(mesh: &Mesh, shapes: &[TetShape], ratio_bound: f64) -> Vec<PoorTet> {
     let limit = ratio_bound * (1.0 + ROUNDING);
-    let ratios = mesh.tets.iter().map(|t| (TetShape::new(&mesh.tet_points(t)).radius_edge, t));
+    let ratios = shapes.iter().map(|s| s.radius_edge).zip(&mesh.tets);
     let mut poor: Vec<_> = ratios.filter(|p| p.0 > limit).collect();
     poor.sort_by(|p, q| q.0.total_cmp(&p.0));
     poor.truncate(MOST);
@@ -219,8 +219,12 @@ mod tests {
         mesh
     }
 
+    fn poor(mesh: &Mesh, ratio_bound: f64) -> Vec<PoorTet> {
+        poor_tets(mesh, &[TetShape::new(&mesh.tet_points(&mesh.tets[0]))], ratio_bound)
+    }
+
     fn forced(points: &[[f64; 3]], faces: &[[u32; 3]]) -> Option<Forced> {
-        poor_tets(&tet(points, faces), 2.0)[0].forced
+        poor(&tet(points, faces), 2.0)[0].forced
     }
 
     /// The shortest edge is that from 0 to 1.
@@ -228,12 +232,12 @@ mod tests {
 
     #[test]
     fn places_and_ratios() {
-        let poor = poor_tets(&tet(&SPLINTER, &[]), 2.0);
-        assert_eq!(poor.len(), 1);
+        let all = poor(&tet(&SPLINTER, &[]), 2.0);
+        assert_eq!(all.len(), 1);
         // The circumscribed box has three of the edges: R is half its diagonal.
-        assert!((poor[0].ratio - 0.5 * 8.01f64.sqrt() / 0.1).abs() < 1e-12);
-        assert_eq!((poor[0].at, poor[0].part.as_str(), poor[0].forced), ([0.05, 0.0, 0.0], "iron", None));
-        assert!(poor_tets(&tet(&SPLINTER, &[]), 15.0).is_empty());
+        assert!((all[0].ratio - 0.5 * 8.01f64.sqrt() / 0.1).abs() < 1e-12);
+        assert_eq!((all[0].at, all[0].part.as_str(), all[0].forced), ([0.05, 0.0, 0.0], "iron", None));
+        assert!(poor(&tet(&SPLINTER, &[]), 15.0).is_empty());
     }
 
     #[test]
@@ -260,6 +264,6 @@ mod tests {
         assert_eq!(forced(&plates(0.1), &faces), Some(Forced::Gap));
         // Not if both ends are on one of them.
         assert_eq!(forced(&plates(0.1), &faces[..4]), None);
-        assert!(poor_tets(&tet(&plates(1.0), &faces), 2.0).is_empty());
+        assert!(poor(&tet(&plates(1.0), &faces), 2.0).is_empty());
     }
 }

@@ -68,8 +68,7 @@ impl TetShape {
 
 impl TetQuality {
     /// Of these tetrahedra.
-    pub fn new(tets: impl IntoIterator<Item = [Vec3; 4]>, ratio_bound: f64) -> Self {
-        let shapes: Vec<TetShape> = tets.into_iter().map(|p| TetShape::new(&p)).collect();
+    pub fn new(shapes: &[TetShape], ratio_bound: f64) -> Self {
         let limit = ratio_bound * (1.0 + ROUNDING);
         Self {
             tets: shapes.len() as u64,
@@ -125,6 +124,6 @@ mod tests {
     fn flat_ones_are_infinite_not_undefined() {
         let flat = TetShape::new(&[Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::new(1.0, 1.0, 0.0)]);
         assert_eq!((flat.radius_edge, flat.aspect), (f64::INFINITY, f64::INFINITY));
-        assert_eq!(TetQuality::new([[Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::new(1.0, 1.0, 0.0)]], 2.0).above_bound, 1);
+        assert_eq!(TetQuality::new(&[flat], 2.0).above_bound, 1);
     }
 }

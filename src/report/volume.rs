@@ -2,7 +2,7 @@
 
 use super::poor::{PoorTet, poor_tets};
 use super::stiffness::{Stiffness, stiffness};
-use super::tets::TetQuality;
+use super::tets::{TetQuality, TetShape};
 use super::triangles::TriangleStatistics;
 use crate::io::mesh::Mesh;
 use crate::scene::model::Thresholds;
@@ -35,10 +35,11 @@ impl VolumeReport {
     /// computed on demand.
     pub fn new(mesh: &Mesh, ratio_bound: f64, with_stiffness: bool) -> Self {
         let triangles: Vec<_> = mesh.triangles.iter().filter(|t| t.marker != 0).map(|t| mesh.triangle_points(t)).collect();
+        let shapes: Vec<TetShape> = mesh.tets.iter().map(|t| TetShape::new(&mesh.tet_points(t))).collect();
         Self {
             nodes: mesh.nodes.len() as u64,
-            tets: TetQuality::new(mesh.tets.iter().map(|t| mesh.tet_points(t)), ratio_bound),
-            poor: poor_tets(mesh, ratio_bound),
+            tets: TetQuality::new(&shapes, ratio_bound),
+            poor: poor_tets(mesh, &shapes, ratio_bound),
             triangles: TriangleStatistics::new(&triangles),
             stiffness: if with_stiffness { stiffness(mesh) } else { None },
             volumes: mesh.volumes().into_iter().map(|(r, v)| (mesh.region_name(r), v)).collect(),
