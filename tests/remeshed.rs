@@ -112,6 +112,22 @@ fn strips_of_a_surface_stay_together() {
     assert!(least > 35.0 && below == 0.0, "{least} {below}");
 }
 
+/// Strips that would stay beside the gaps, and meet treated ones of another surface along a ruling: that could not be split,
+/// with needles from end to end beside it.
+#[test]
+fn strips_that_meet_treated_ones_are_treated() {
+    let scene = r#"Scene(units: "mm", parts: [
+        Part(name: "air", solid: Cylinder(radius: 60, height: 60, base: (0, 0, -20))),
+        Part(name: "yoke", solid: Tube(outer_radius: 45, inner_radius: 37, height: 20)),
+        Part(name: "pole", copies: Polar(count: 26),
+            solid: Revolve(profile: Rectangle(min: (25, 0), max: (32, 20)), angle: "360/52", start: 0)),
+        Part(name: "magnet", copies: Polar(count: 44),
+            solid: Revolve(profile: Rectangle(min: (33, 0), max: (37, 20)), angle: "360/44", start: 0)),
+    ])"#;
+    let (least, below, _) = shape("magnets", "full", scene);
+    assert!(least > 34.0 && below == 0.0, "{least} {below}");
+}
+
 /// Askew strips that stay beside remeshed ones, and askew planes beside a remeshed hole, have vertices of their neighbours on
 /// straight edges. They stay polygons; once they were cut into fans of needles.
 #[test]
