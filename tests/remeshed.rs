@@ -112,6 +112,22 @@ fn strips_of_a_surface_stay_together() {
     assert!(least > 35.0 && below == 0.0, "{least} {below}");
 }
 
+/// Strips that would stay beside the gaps, and meet treated ones of another surface along a ruling: that could not be split,
+/// with needles from end to end beside it.
+#[test]
+fn strips_that_meet_treated_ones_are_treated() {
+    let scene = r#"Scene(units: "mm", parts: [
+        Part(name: "air", solid: Cylinder(radius: 60, height: 60, base: (0, 0, -20))),
+        Part(name: "yoke", solid: Tube(outer_radius: 45, inner_radius: 37, height: 20)),
+        Part(name: "pole", copies: Polar(count: 26),
+            solid: Revolve(profile: Rectangle(min: (25, 0), max: (32, 20)), angle: "360/52", start: 0)),
+        Part(name: "magnet", copies: Polar(count: 44),
+            solid: Revolve(profile: Rectangle(min: (33, 0), max: (37, 20)), angle: "360/44", start: 0)),
+    ])"#;
+    let (least, below, _) = shape("magnets", "full", scene);
+    assert!(least > 34.0 && below == 0.0, "{least} {below}");
+}
+
 /// Askew strips that stay beside remeshed ones, and askew planes beside a remeshed hole, have vertices of their neighbours on
 /// straight edges. They stay polygons; once they were cut into fans of needles.
 #[test]
@@ -128,6 +144,34 @@ fn askew_polygons_are_not_cut_into_fans() {
     ])"#;
     let (least, below, _) = shape("hole", "full", hole);
     assert!(least > 40.0 && below == 0.0, "{least} {below}");
+}
+
+/// Beside a key in a turned shaft: corners on the lines where a strip that stays, or the two coplanar polygons on both sides of
+/// the shaft's surface, meet remeshed facets. Bends were cleared by bringing such corners into line, which had the polygons cut
+/// into needles.
+#[test]
+fn polygons_beside_a_turned_key_are_not_cut() {
+    let scene = r#"Scene(units: "mm", parts: [
+        Part(name: "shaft", solid: Rotate(axis: (1, 1, 0), angle: 20, solid: Cylinder(radius: 8, height: 80, base: (0, 0, -30)))),
+        Part(name: "key", solid: Rotate(axis: (1, 1, 0), angle: 20, solid: Block(size: (6, 4, 30), center: (8, 0, 5)))),
+    ])"#;
+    let (least, below, _) = shape("key", "full", scene);
+    assert!(least > 40.0 && below == 0.0, "{least} {below}");
+}
+
+/// A rod half in the ground, whose plane runs along rulings of the rod, and one across it: bands end there beside the ground,
+/// too. Once the strips at the ground were remeshed in their whole length, and those beside them cut into needles.
+#[test]
+fn strips_along_a_plane_are_remeshed_in_bands_only() {
+    let scene = r#"Scene(units: "mm", parts: [
+        Part(name: "air", solid: Block(min: (-20, -10, 0), max: (20, 10, 10))),
+        Part(name: "rods", solid: Union([
+            Cylinder(radius: 1, height: 30, base: (-15, 0, 0), axis: X),
+            Cylinder(radius: 1, height: 8, base: (0, -0.3, -4), axis: (0.2, 0.1, 1)),
+        ])),
+    ])"#;
+    let (least, below, _) = shape("ground", "interfaces", scene);
+    assert!(least > 25.0 && below < 0.05, "{least} {below}");
 }
 
 /// The line along which a rod touches a wall is a loose segment of the wall's polygon; with vertices of the rod on it, too.

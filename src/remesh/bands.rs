@@ -102,7 +102,7 @@ impl Strips<'_> {
                 let feet = off.iter().map(|p| start + along * along.dot(&(p - start)));
                 let near = self.width(id, ruling) * LEAST_SIDE;
                 let feet: Vec<Vec3> = feet.zip(&off).filter(|(foot, p)| (foot - *p).norm() < near).map(|f| f.0).collect();
-                for beyond in self.around(ruling).filter(|&f| f != id) {
+                for beyond in self.around(ruling).filter(|&f| f != id && self.is_ruled(f)) {
                     hot.entry(beyond).or_default().extend(&feet);
                 }
             }

@@ -343,6 +343,8 @@ impl Bends<'_> {
         for &vertex in vertices {
             let mut places = places(vertex);
             self.keep_within_bound(vertex, &mut places);
+            // Else two triangles at the edge of a polygon could come into one plane, and into a line there.
+            places.retain(|to| !self.work.would_straighten(vertex, to));
             let shifts = places.into_iter().map(|to| self.shift(vertex, to));
             let shifts: Vec<Shift> = shifts.filter(|t| self.harm(edge, Some(t)) < here).collect();
             if shifts.is_empty() {

@@ -120,13 +120,23 @@ impl Strips<'_> {
         strip.rulings.iter().all(|&r| self.length(r) < SHORTEST_STRIP * least)
     }
 
+    /// Whether more than one surface has an edge.
+    fn is_meeting(&self, edge: Edge) -> bool {
+        let surfaces: Vec<SurfaceId> = self.around(edge).map(|f| self.complex.facets[f].surface).collect();
+        surfaces.len() != 2 || surfaces[0] != surfaces[1]
+    }
+
     /// Has strips treated after all that share a chord with a treated facet, which may need smaller chords than a strip that
-    /// stays would give it; or that a treated facet might meet. Rows of strips go in one or two passes, as they are turned.
+    /// stays would give it; or a ruling where other surfaces meet, whose vertices could not leave the line as those inside of a
+    /// surface do, so that it would not be split; or that a treated facet might meet. Rows of strips go in one or two passes,
+    /// as they are turned.
     fn drop_beside_treated(&self, strips: &mut [Kept], is_chosen: &mut [bool]) {
         let mut is_changed = true;
         while std::mem::take(&mut is_changed) {
             for (strip, near) in strips.iter() {
-                let mut beside = strip.chords.iter().flat_map(|&e| self.around(sorted(e))).chain(near.iter().copied());
+                let meeting = strip.rulings.iter().filter(|&&r| self.is_meeting(sorted(r)));
+                let edges = strip.chords.iter().chain(meeting);
+                let mut beside = edges.flat_map(|&e| self.around(sorted(e))).chain(near.iter().copied());
                 if !is_chosen[strip.facet.index()] && beside.any(|f| is_chosen[f.index()]) {
                     is_chosen[strip.facet.index()] = true;
                     is_changed = true;

@@ -152,6 +152,8 @@ impl Workpiece {
             if !is_changed {
                 break;
             }
+            // Splits may have put corners into straight edges of polygons.
+            self.clear_straight_corners();
             let edges = self.moved_since(&before).into_iter().flat_map(|v| self.edges_of_star(v)).collect();
             self.clear_bends(limits, edges);
             around = self.moved_since(&before);

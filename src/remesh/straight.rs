@@ -14,7 +14,7 @@ use crate::geom::predicates::{Projection, orient2d};
 use crate::ids::{FacetId, Id, IdVec, VertexId};
 use crate::patch::curve::Curve;
 use crate::round::PLANAR_ULPS;
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 
 /// Sine of the turn below which a corner counts as straight.
 const STRAIGHT_SINE: f64 = 1e-9;
@@ -24,13 +24,13 @@ const STRAIGHT_SINE: f64 = 1e-9;
 pub(super) const TRACE: f64 = 1e-5;
 
 impl Workpiece {
-    /// Moves nearly straight corners of polygons outwards, if all other facets there are remeshed triangles. From then on they
-    /// slide along lines of their own.
+    /// Moves nearly straight corners of polygons outwards, if all other facets there are remeshed triangles or lie in the same
+    /// plane. From then on they slide along lines of their own.
     pub fn clear_straight_corners(&mut self) {
         let points: Vec<Vec3> = self.brep.vertices.iter().map(|v| v.point).collect();
         let topology = &self.brep.topology;
         let polygons = topology.facets().filter(|&f| self.corners(f).is_none());
-        let mut moves: Vec<(VertexId, Vec3, Vec3, FacetId)> = Vec::new();
+        let mut moves: BTreeMap<VertexId, (Vec3, Vec3, FacetId)> = BTreeMap::new();
         for facet in polygons {
             let loops: Vec<Vec<VertexId>> = topology.loops(facet).map(|w| topology.corners(w).collect()).collect();
             let normal = self.normal(facet);
@@ -40,20 +40,35 @@ impl Workpiece {
                 let (length, direction) = ((to - from).norm(), (to - from).normalize());
                 let out = direction.cross(&normal);
                 for &[_, at, _] in run {
-                    if topology.facets_at(at).all(|f| f == facet || self.is_treated(f)) {
+                    let is_free = |f| f == facet || self.is_treated(f) || self.are_in_one_plane(&[facet, f]);
+                    if topology.facets_at(at).all(is_free) {
                         let here = self.point(at);
                         let way = TRACE * (here - from).norm() * (to - here).norm() / length;
-                        moves.push((at, here + out * way, direction, facet));
+                        moves.entry(at).or_insert((here + out * way, direction, facet));
                     }
                 }
             }
         }
-        for (vertex, origin, direction, facet) in moves {
+        for (vertex, (origin, direction, facet)) in moves {
             self.relocate(vertex, origin);
             if matches!(self.place(vertex), Place::Curve(_)) {
                 self.places[vertex.index()] = Place::Curve(self.add_curve(Curve::Line { origin, direction }, &[facet]));
             }
         }
+    }
+
+    /// Whether a move of a vertex makes a corner of a polygon straight that was not.
+    pub fn would_straighten(&self, vertex: VertexId, to: &Vec3) -> bool {
+        let topology = &self.brep.topology;
+        topology.fins_at(vertex).filter(|&fin| self.corners(topology.facet_of(fin)).is_none()).any(|fin| {
+            let before = topology.prev_fin(fin);
+            let fins =
+                [topology.prev_fin(before), before, fin, topology.next_fin(fin), topology.next_fin(topology.next_fin(fin))];
+            let now = fins.map(|fin| self.point(topology.fin_ends(fin)[0]));
+            let then = [now[0], now[1], *to, now[3], now[4]];
+            let corners = |way: [Vec3; 5]| [0, 1, 2].map(|k| is_straight(&[way[k], way[k + 1], way[k + 2]]));
+            corners(now).into_iter().zip(corners(then)).any(|(was, is)| is && !was)
+        })
     }
 }
 

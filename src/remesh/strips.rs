@@ -83,11 +83,10 @@ impl<'a> Strips<'a> {
         foot.is_straight_along(&(b - a))
     }
 
-    /// Whether an edge lies inside a surface and is straight there.
+    /// Whether an edge is straight on all surfaces there, so that strips on all its sides can be cut at the same place: inside
+    /// of a surface, or where another one meets it along a ruling.
     fn is_ruling(&self, edge: Edge) -> bool {
-        let mut facets = self.around(edge);
-        let (Some(f), Some(g), None) = (facets.next(), facets.next(), facets.next()) else { return false };
-        self.complex.facets[f].surface == self.complex.facets[g].surface && self.is_straight_on(edge, f)
+        self.around(edge).all(|f| self.is_straight_on(edge, f))
     }
 
     /// By vertex: whether an intersection of facets put it off one of its surfaces. Not so the ends of a line that is straight
