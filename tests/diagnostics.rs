@@ -199,4 +199,25 @@ fn much_work_is_told_before_it_is_done_or_refused() {
     fs::write(&path, sphere).unwrap();
     let warnings = load(&path, &[], &Limits::default()).unwrap().warnings;
     assert!(warnings.len() == 1 && warnings[0].code == "many-facets" && warnings[0].span.is_some(), "{warnings:?}");
+    // Surfaces count by their files: 2e6 facets once, or ten times in different places.
+    let file = fs::File::create(path.with_file_name("many.stl")).unwrap();
+    let count = 2_000_000u32;
+    let header = [&[b' '; 80][..], &count.to_le_bytes()].concat();
+    std::io::Write::write_all(&mut &file, &header).unwrap();
+    file.set_len(84 + 50 * u64::from(count)).unwrap();
+    let scene = |copies: u32| {
+        format!(
+            "Scene(units: \"mm\", parts: [Part(name: \"a\", solid: Linear(count: {copies}, step: (9, 0, 0), \
+             solid: Import(file: \"many.stl\")))])"
+        )
+    };
+    fs::write(&path, scene(2)).unwrap();
+    let warnings = load(&path, &[], &Limits::default()).unwrap().warnings;
+    assert!(warnings.len() == 1 && warnings[0].message.contains("4.00e6"), "{warnings:?}");
+    fs::write(&path, scene(10)).unwrap();
+    let refused = load(&path, &[], &Limits::default()).unwrap_err();
+    assert!(refused[0].code == "too-many-facets" && refused[0].hints[0].contains("reduce"), "{refused:?}");
+    // As text, the same file would have fewer.
+    file.set_len(83 + 50 * u64::from(count)).unwrap();
+    assert!(load(&path, &[], &Limits::default()).unwrap().warnings.len() == 1);
 }

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// Triangles or pairs from which on the work is shared between threads: below, handing it out costs more than it saves.
-const PARALLEL_FROM: usize = 4096;
+pub(super) const PARALLEL_FROM: usize = 4096;
 /// Candidate pairs that are gathered before they are looked at: enough to share between threads. Of needles that lie nearly in
 /// one plane there may be a thousand candidates to a contact, which should not all be kept.
 const BATCH: usize = 1 << 16;
@@ -51,8 +51,8 @@ impl Contacts {
 struct Facets {
     items: Vec<Item>,
     boxes: Vec<Aabb>,
-    /// First item of every facet, and the number of all.
-    first: Vec<usize>,
+    /// The triangles of every facet.
+    of: Lists,
     /// The sheet of all items of every facet, if it is one.
     sheets: Vec<Option<u32>>,
     /// Box trees over the items of facets that have many.
@@ -67,33 +67,23 @@ impl Facets {
         let count = input.pairs.iter().flatten().copied().chain(compared.iter().map(|&t| facet(t))).max().map_or(0, |f| f + 1);
         let of = Lists::from_iter(count as usize, compared.iter().map(|&t| (facet(t), t)));
         let level = Level::new(mesh, &compared);
-        let mut all = Self {
-            items: Vec::with_capacity(compared.len()),
-            boxes: Vec::with_capacity(compared.len()),
-            first: Vec::with_capacity(count as usize + 1),
-            sheets: Vec::with_capacity(count as usize),
-            trees: IndexMap::default(),
+        let item = |&t: &u32| {
+            let bounds = Aabb::around(mesh.triangles[t as usize].map(|v| &input.points[v as usize]));
+            (level.item(mesh, t, &bounds), bounds)
         };
-        for f in 0..count {
-            let first = all.items.len();
-            all.first.push(first);
-            for &t in of.of(f) {
-                let bounds = Aabb::around(mesh.triangles[t as usize].map(|v| &input.points[v as usize]));
-                all.items.push(level.item(mesh, t, &bounds));
-                all.boxes.push(bounds);
-            }
-            let mut sheets = all.items[first..].iter().map(|item| item.sheet);
-            all.sheets.push(sheets.next().filter(|&sheet| sheets.all(|other| other == sheet)));
-            if all.items.len() - first >= TREE_FROM {
-                all.trees.insert(f, Bvh::new(all.boxes[first..].to_vec()));
-            }
-        }
-        all.first.push(all.items.len());
-        all
+        let (items, boxes): (Vec<Item>, Vec<Aabb>) = of.items().par_iter().with_min_len(PARALLEL_FROM).map(item).unzip();
+        let one_sheet = |f: u32| {
+            let mut sheets = items[of.range(f)].iter().map(|item| item.sheet);
+            sheets.next().filter(|&sheet| sheets.all(|other| other == sheet))
+        };
+        let sheets = (0..count).map(one_sheet).collect();
+        let large: Vec<u32> = (0..count).filter(|&f| of.of(f).len() >= TREE_FROM).collect();
+        let trees: Vec<Bvh> = large.par_iter().map(|&f| Bvh::new(boxes[of.range(f)].to_vec())).collect();
+        Self { items, boxes, of, sheets, trees: large.into_iter().zip(trees).collect() }
     }
 
     fn of(&self, facet: u32) -> Range<usize> {
-        self.first[facet as usize]..self.first[facet as usize + 1]
+        self.of.range(facet)
     }
 
     /// Calls `visit` with the triangles of two facets whose boxes overlap, unless all are of one sheet or the one of the

@@ -6,6 +6,7 @@ use crate::contact::conforming::{Conforming, Owner};
 use crate::cull::Fate;
 use crate::geom::hash::{IndexMap, IndexSet};
 use crate::geom::predicates::Projection;
+use rayon::prelude::*;
 use std::cmp::Ordering;
 
 /// Stands for the edges of triangles that nothing comes near.
@@ -50,7 +51,7 @@ impl<'a> Mesh<'a> {
                 keys.push((u64::from(a.min(b)) << 32 | u64::from(a.max(b)), 3 * t + k as u32));
             }
         }
-        keys.sort_unstable();
+        keys.par_sort_unstable();
         self.edges_of = vec![[NO_EDGE; 3]; self.triangles.len()];
         let mut last = u64::MAX;
         for (key, slot) in keys {

@@ -4,6 +4,7 @@
 //! Then no triangle of the wall meets one of the cap anywhere else, and none of their pairs need be looked at: of needles there
 //! may be a thousand times as many pairs as contacts.
 
+use super::broad_phase::PARALLEL_FROM;
 use super::graph::Mesh;
 use crate::geom::aabb::Aabb;
 use crate::geom::hash::IndexMap;
@@ -43,10 +44,21 @@ impl Item {
 pub struct Level {
     /// By sheet: bits of the axes across which it is level.
     axes: Vec<u8>,
-    /// By point and axis: a sheet that is level across it and has the point; empty if there is no such sheet.
-    at_point: Vec<[u32; 3]>,
-    /// By edge (smaller number first) and axis likewise.
-    at_edge: IndexMap<([u32; 2], u8), u32>,
+    /// By axis.
+    across: [Across; 3],
+}
+
+/// The sheets that are level across one axis.
+#[derive(Default)]
+struct Across {
+    /// By point: one that has it; empty if there is no such sheet.
+    at_point: Vec<u32>,
+    /// By edge, smaller number first, as one number: one that has it.
+    at_edge: IndexMap<u64, u32>,
+}
+
+fn key(a: u32, b: u32) -> u64 {
+    u64::from(a.min(b)) << 32 | u64::from(a.max(b))
 }
 
 impl Level {
@@ -67,27 +79,39 @@ impl Level {
                 axes[sheet] &= !(u8::from(!is_level) << k);
             }
         }
-        let is_any_level = axes.iter().zip(&first).any(|(&axes, &first)| axes != 0 && first != NONE);
-        let at_point = vec![[NONE; 3]; if is_any_level { points.len() } else { 0 }];
-        let mut level = Self { axes, at_point, at_edge: IndexMap::default() };
-        for &t in triangles {
-            let sheet = mesh.sheet_of(t);
-            let axis = level.axis(sheet);
-            if axis == 3 {
-                continue;
+        let across = |axis: u8| {
+            let mut across = Across::default();
+            let is_level = |sheet: &u32, first: &u32| *first != NONE && axis_of(&axes, *sheet) == axis;
+            if !(0u32..).zip(&first).any(|(sheet, first)| is_level(&sheet, first)) {
+                return across;
             }
-            let corners = mesh.triangles[t as usize];
-            for k in 0..3 {
-                let (a, b) = (corners[k], corners[(k + 1) % 3]);
-                level.at_point[a as usize][usize::from(axis)] = sheet;
-                level.at_edge.insert(([a.min(b), a.max(b)], axis), sheet);
+            across.at_point.resize(points.len(), NONE);
+            for &t in triangles {
+                let sheet = mesh.sheet_of(t);
+                if axis_of(&axes, sheet) != axis {
+                    continue;
+                }
+                let [a, b, c] = mesh.triangles[t as usize];
+                for (a, b) in [(a, b), (b, c), (c, a)] {
+                    across.at_point[a as usize] = sheet;
+                    across.at_edge.insert(key(a, b), sheet);
+                }
             }
-        }
-        level
+            across
+        };
+        let across = match triangles.len() < PARALLEL_FROM {
+            true => [0, 1, 2].map(across),
+            false => {
+                let (x, (y, z)) = rayon::join(|| across(0), || rayon::join(|| across(1), || across(2)));
+                [x, y, z]
+            }
+        };
+        Self { axes, across }
     }
 
-    fn axis(&self, sheet: u32) -> u8 {
-        self.axes[sheet as usize].trailing_zeros().min(3) as u8
+    /// A sheet in the plane across an axis that has a point.
+    fn of_point(&self, v: u32, axis: usize) -> u32 {
+        self.across[axis].at_point.get(v as usize).copied().unwrap_or(NONE)
     }
 
     /// A triangle with its box.
@@ -95,27 +119,32 @@ impl Level {
         let corners = mesh.triangles[triangle as usize];
         let sheet = mesh.sheet_of(triangle);
         let is_common = mesh.owners(triangle).len() > 1;
-        let is_level = |v: &u32| self.at_point.get(*v as usize).is_some_and(|sheets| *sheets != [NONE; 3]);
+        let is_level = |v: &u32| (0..3).any(|axis| self.of_point(*v, axis) != NONE);
         if !corners.iter().any(is_level) {
-            return Item { triangle, sheet, is_common, level: self.axis(sheet), rests: [NONE; 6] };
+            return Item { triangle, sheet, is_common, level: axis_of(&self.axes, sheet), rests: [NONE; 6] };
         }
         let rests = std::array::from_fn(|side| {
             let (axis, limit) = (side / 2, if side % 2 == 0 { &bounds.lo } else { &bounds.hi });
             let is_there = |v: u32| mesh.input.points[v as usize][axis] == limit[axis];
             match corners.map(is_there) {
-                [true, false, false] => self.at_point[corners[0] as usize][axis],
-                [false, true, false] => self.at_point[corners[1] as usize][axis],
-                [false, false, true] => self.at_point[corners[2] as usize][axis],
+                [true, false, false] => self.of_point(corners[0], axis),
+                [false, true, false] => self.of_point(corners[1], axis),
+                [false, false, true] => self.of_point(corners[2], axis),
                 [true, true, false] => self.of_edge(corners[0], corners[1], axis),
                 [false, true, true] => self.of_edge(corners[1], corners[2], axis),
                 [true, false, true] => self.of_edge(corners[2], corners[0], axis),
                 _ => NONE,
             }
         });
-        Item { triangle, sheet, is_common, level: self.axis(sheet), rests }
+        Item { triangle, sheet, is_common, level: axis_of(&self.axes, sheet), rests }
     }
 
     fn of_edge(&self, a: u32, b: u32, axis: usize) -> u32 {
-        self.at_edge.get(&([a.min(b), a.max(b)], axis as u8)).copied().unwrap_or(NONE)
+        self.across[axis].at_edge.get(&key(a, b)).copied().unwrap_or(NONE)
     }
+}
+
+/// The first axis across which a sheet is level; 3 if there is none.
+fn axis_of(axes: &[u8], sheet: u32) -> u8 {
+    axes[sheet as usize].trailing_zeros().min(3) as u8
 }

@@ -8,7 +8,12 @@ use crate::geom::Vec3;
 use crate::geom::lists::Lists;
 use crate::geom::predicates::{Sign, orient3d};
 use crate::geom::union_find::UnionFind;
+use rayon::prelude::*;
 use std::cmp::Ordering;
+use std::ops::Range;
+
+/// Edges that one thread takes at once: nearly all of them have two pieces and take no time.
+const SHARE: usize = 1 << 14;
 
 /// Directed edges (corners of the sub-cells' loops) grouped by undirected edge; within a group counter-clockwise about the
 /// direction from the smaller to the larger point number. Those of pieces that are set aside come last: they have no angle,
@@ -66,34 +71,57 @@ impl EdgeUses {
         Ok(out)
     }
 
+    /// Number of groups.
+    pub fn count(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// Some of the groups.
+    pub fn groups_in(&self, range: Range<usize>) -> impl Iterator<Item = &[u32]> {
+        let first = range.start.checked_sub(1).map_or(0, |last| self.ends[last]);
+        let starts = std::iter::once(first).chain(self.ends[range.clone()].iter().copied());
+        starts.zip(&self.ends[range]).map(|(a, &b)| &self.uses[a as usize..b as usize])
+    }
+
     /// The groups: corners of one undirected edge, by angle.
     pub fn groups(&self) -> impl Iterator<Item = &[u32]> {
-        let starts = std::iter::once(0).chain(self.ends.iter().copied());
-        starts.zip(&self.ends).map(|(a, &b)| &self.uses[a as usize..b as usize])
+        self.groups_in(0..self.count())
     }
 
     fn sort_by_angle(&mut self, arrangement: &Arrangement) -> Result<(), Diagnostic> {
-        let mut start = 0;
-        for g in 0..self.ends.len() {
-            let end = self.ends[g] as usize;
-            let group = start..end;
-            start = end;
-            match group.len() {
-                0 | 2 => {}
-                1 if !self.may_end(arrangement, self.uses[group.start]) => {
-                    return Err(self.open_edge(arrangement, self.uses[group.start]));
-                }
-                1 => {}
-                _ => {
-                    let compared = group.start..group.start + self.put_aside(arrangement, group);
-                    if compared.len() > 2 {
-                        let mut fans: Vec<Fan> =
-                            self.uses[compared.clone()].iter().map(|&c| self.fan(arrangement, c)).collect();
-                        sort_fans(arrangement, &mut fans)?;
-                        for (slot, fan) in compared.zip(&fans) {
-                            self.uses[slot] = fan.corner;
-                        }
-                    }
+        let mut uses = std::mem::take(&mut self.uses);
+        let (mut rest, mut start) = (&mut uses[..], 0);
+        let mut shares = Vec::with_capacity(self.ends.len().div_ceil(SHARE));
+        for ends in self.ends.chunks(SHARE) {
+            let end = ends[ends.len() - 1];
+            let (own, others) = std::mem::take(&mut rest).split_at_mut((end - start) as usize);
+            shares.push((start, ends, own));
+            (rest, start) = (others, end);
+        }
+        let sort = |(mut start, ends, mut own): (u32, &[u32], &mut [u32])| {
+            ends.iter().try_for_each(|&end| {
+                let (group, others) = std::mem::take(&mut own).split_at_mut((end - start) as usize);
+                (own, start) = (others, end);
+                self.sort_group(arrangement, group)
+            })
+        };
+        let sorted: Vec<Result<(), Diagnostic>> = shares.into_par_iter().map(sort).collect();
+        self.uses = uses;
+        // The first fault, whichever thread ended first.
+        sorted.into_iter().collect()
+    }
+
+    fn sort_group(&self, arrangement: &Arrangement, group: &mut [u32]) -> Result<(), Diagnostic> {
+        match *group {
+            [] | [_, _] => {}
+            [corner] if !self.may_end(arrangement, corner) => return Err(self.open_edge(arrangement, corner)),
+            [_] => {}
+            _ => {
+                let compared = self.put_aside(arrangement, group);
+                if compared > 2 {
+                    let mut fans: Vec<Fan> = group[..compared].iter().map(|&c| self.fan(arrangement, c)).collect();
+                    sort_fans(arrangement, &mut fans)?;
+                    group.iter_mut().zip(&fans).for_each(|(slot, fan)| *slot = fan.corner);
                 }
             }
         }
@@ -101,13 +129,13 @@ impl EdgeUses {
     }
 
     /// Moves those of a group that are set aside to its end; the number of the others.
-    fn put_aside(&mut self, arrangement: &Arrangement, group: std::ops::Range<usize>) -> usize {
+    fn put_aside(&self, arrangement: &Arrangement, group: &mut [u32]) -> usize {
         if !arrangement.cells.has_fates() {
             return group.len();
         }
         let is_aside = |c: &u32| arrangement.cells.fate_of(self.cell_of[*c as usize] as usize).is_aside();
-        self.uses[group.clone()].sort_by_key(is_aside);
-        self.uses[group].partition_point(|c| !is_aside(c))
+        group.sort_by_key(is_aside);
+        group.partition_point(|c| !is_aside(c))
     }
 
     /// Whether a piece need not go on beyond its edge: facets that coincide end it together, or it does not matter.

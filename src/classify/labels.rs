@@ -61,14 +61,18 @@ impl Labels {
 }
 
 /// Label of every shell, and the distinct labels.
-pub fn spread(arrangement: &Arrangement, shells: &[[u32; 2]], count: usize) -> Result<(Vec<u32>, Vec<Vec<u32>>), Diagnostic> {
+pub fn spread(
+    arrangement: &Arrangement,
+    rays: &Rays,
+    shells: &[[u32; 2]],
+    count: usize,
+) -> Result<(Vec<u32>, Vec<Vec<u32>>), Diagnostic> {
     let cells = &arrangement.cells;
     let by_shell: Vec<(u32, u32)> = shells.iter().flatten().zip(0..).map(|(&shell, side)| (shell, side)).collect();
     // Sides (twice the cell, plus one for the back) of each shell.
     let sides = Lists::new(count, &by_shell);
     let mut labels = Labels::default();
     let mut label_of = vec![u32::MAX; count];
-    let rays = Rays::new(arrangement);
     let mut stack = Vec::new();
     // The first piece of each component that a ray can start from.
     for cell in 0..shells.len() {

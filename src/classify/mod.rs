@@ -20,6 +20,10 @@ pub use edges::EdgeUses;
 
 use crate::arrangement::Arrangement;
 use crate::diag::Diagnostic;
+use raycast::Rays;
+
+/// Sub-cells below which all stays on one thread: waking another one takes as long as the work.
+const PARALLEL_FROM: usize = 4096;
 
 /// Labels of both sides of every sub-cell.
 pub struct Classified {
@@ -68,8 +72,16 @@ impl Class {
 /// # Errors
 /// An internal error if an edge is open, two pieces coincide, or labels contradict each other.
 pub fn classify(arrangement: &Arrangement) -> Result<Classified, Diagnostic> {
-    let edges = EdgeUses::new(arrangement)?;
-    let (shells, count) = edges.shells(&arrangement.cells);
-    let (label_of_shell, labels) = labels::spread(arrangement, &shells, count)?;
+    let around_edges = || {
+        let edges = EdgeUses::new(arrangement)?;
+        let (shells, count) = edges.shells(&arrangement.cells);
+        Ok((edges, shells, count))
+    };
+    let (edges, rays) = match arrangement.cells.len() < PARALLEL_FROM {
+        true => (around_edges(), Rays::new(arrangement)),
+        false => rayon::join(around_edges, || Rays::new(arrangement)),
+    };
+    let (edges, shells, count) = edges?;
+    let (label_of_shell, labels) = labels::spread(arrangement, &rays, &shells, count)?;
     Ok(Classified { shells, label_of_shell, labels, edges })
 }

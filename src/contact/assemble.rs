@@ -11,6 +11,9 @@ use crate::cull::Fate;
 use crate::diag::{Diagnostic, Outcome, Tally};
 use rayon::prelude::*;
 
+/// Pieces of the work that threads share.
+const SHARES: usize = 64;
+
 /// All cells in the order of their first facets.
 pub(super) fn assemble(body: &Body, sheets: Sheets, tolerance: f64, names: Names) -> Outcome<Conforming> {
     let plan = Plan::new(body, &sheets);
@@ -20,10 +23,12 @@ pub(super) fn assemble(body: &Body, sheets: Sheets, tolerance: f64, names: Names
     tangled.into_iter().for_each(|(facet, t)| errors.add(body.leaf(facet), || unresolved(body, facet, t, names)));
     let mut out = Conforming { points: body.points.clone(), tolerance, ..Conforming::default() };
     out.reserve(drafts.len() + plan.triangles.len());
-    let mut rest = plan.triangles.iter().copied().peekable();
+    let one = |&f: &u32| (f, cells::triangle(f, body));
+    let lone: Vec<_> = plan.triangles.par_iter().with_min_len(PARALLEL_FROM).map(one).collect();
+    let mut rest = lone.into_iter().peekable();
     let mut add_triangles = |until: u32, out: &mut Conforming| {
-        while let Some(f) = rest.next_if(|&f| f < until) {
-            match cells::triangle(f, body) {
+        while let Some((f, triangle)) = rest.next_if(|(f, _)| *f < until) {
+            match triangle {
                 Ok(triangle) => plan.finish(f, &[body.owner(f, false)], &[triangle], out),
                 Err(t) => errors.add(body.leaf(f), || unresolved(body, f, t, names)),
             }
@@ -107,16 +112,38 @@ impl<'a> Plan<'a> {
             }
             (found, tangled)
         };
-        if self.starts.len() < PARALLEL_FROM {
-            return search(&self.starts);
+        let shares = self.shares();
+        if let [all] = shares[..] {
+            return search(all);
         }
-        let mut lists: Vec<_> = self.starts.par_chunks(self.starts.len().div_ceil(64)).map(search).collect();
+        let mut lists: Vec<_> = shares.into_par_iter().map(search).collect();
         let (mut all, mut tangled) = (Drafts::default(), Vec::new());
         for (drafts, errors) in lists.drain(..) {
             all.append(drafts);
             tangled.extend(errors);
         }
         (all, tangled)
+    }
+    /// `starts` in pieces of about equal work, as the items of their sheets tell it: a few large ones may be most of it.
+    fn shares(&self) -> Vec<&[u32]> {
+        let work = |&f: &u32| match self.sheet(f) {
+            None => 1,
+            Some(s) => {
+                let corners = |&m: &u32| self.sheets.outlines[m as usize].loops.iter().map(Vec::len).sum::<usize>();
+                s.members.iter().map(corners).sum::<usize>() + s.segments.len() + s.lone.len() + s.chords.len()
+            }
+        };
+        let works: Vec<usize> = self.starts.iter().map(work).collect();
+        let most = (works.iter().sum::<usize>() / SHARES).max(PARALLEL_FROM / 4);
+        let (mut shares, mut first, mut sum) = (Vec::with_capacity(SHARES), 0, 0);
+        for (k, work) in works.into_iter().enumerate() {
+            sum += work;
+            if sum > most || k + 1 == self.starts.len() {
+                shares.push(&self.starts[first..=k]);
+                (first, sum) = (k + 1, 0);
+            }
+        }
+        shares
     }
     /// The cells of the sheet that begins with a facet, or of a facet without a contact.
     fn draft(&self, first: u32) -> Result<Vec<Draft>, Tangled> {

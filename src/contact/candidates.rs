@@ -4,7 +4,7 @@
 //! others are compared as they are seen along an axis, too.
 
 use super::body::Body;
-use super::figure::Figure;
+use super::figure::{Figure, MANY};
 use super::outline::sides;
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
@@ -16,9 +16,6 @@ use std::ops::ControlFlow;
 
 /// Facets below which everything stays on one thread: starting others costs more than a hundred microseconds.
 pub(super) const PARALLEL_FROM: usize = 2000;
-
-/// Corners from which on a facet has many.
-const MANY_CORNERS: usize = 12;
 
 /// Facets as they came, of those that come near the box of another leaf.
 #[derive(Clone, Debug, Default)]
@@ -41,10 +38,10 @@ impl Facets {
         let facets = first..body.first_facet[leaf as usize + 1];
         let bounds = |f: u32| {
             let own = body.bounds(f);
-            // What is set aside is nowhere.
+            // What is far from all other leaves meets none; what is set aside is compared with none.
             if around.overlaps(&own) && !body.fate(f).is_aside() { own } else { Aabb::EMPTY }
         };
-        let has_many = |&f: &u32| body.own_loops(f).corners().take(MANY_CORNERS).count() == MANY_CORNERS;
+        let has_many = |&f: &u32| body.own_loops(f).corners().take(MANY).count() == MANY;
         let figures = facets.clone().filter(has_many).filter_map(|f| Some((f - first, figure(body, f)?))).collect();
         Self { tree: Bvh::new(facets.map(bounds).collect()), figures }
     }

@@ -7,12 +7,14 @@
 //! [`join_walls`] does it for walls that came in several facets, [`find`] for facets.
 
 use super::body::Body;
+use super::candidates::PARALLEL_FROM;
 use super::crossings::{across, cross};
 use super::edges::EdgeSet;
 use super::outline::Outline;
 use super::walls::Walls;
 use crate::geom::Vec3;
 use crate::geom::lists::Lists;
+use rayon::prelude::*;
 
 /// Sine of the angle between facets from which they count as crossing: below, the place of their common line within the
 /// tolerance of both is arbitrary.
@@ -43,19 +45,17 @@ pub(super) fn find(body: &Body, outlines: &[Outline], sheet_of: &[u32], inside: 
     let may_cross = |f: u32, g: u32| {
         sheet_of[f as usize] != sheet_of[g as usize] && are_crossing(&outlines[f as usize].normal, &outlines[g as usize].normal)
     };
-    let mut chords = Vec::new();
     let common = common_points(body.points.len(), uses, leaf_of, may_cross);
-    for pair in common.chunk_by(|a, b| a.pair == b.pair) {
+    let pairs: Vec<&[Common]> = common.chunk_by(|a, b| a.pair == b.pair).filter(|pair| pair.len() > 1).collect();
+    let chords = |pair: &&[Common]| {
         let facets = pair[0].facets();
         let [f, g] = facets.map(|slot| &outlines[slot as usize]);
         let tolerance = body.tolerance(leaf_of(facets[0]), leaf_of(facets[1]));
-        for ends in pieces(pair, &f.normal.cross(&g.normal), &body.points) {
-            if [f, g].iter().all(|o| o.is_chord(ends, tolerance, &body.points)) {
-                chords.push(Chord { facets, ends });
-            }
-        }
-    }
-    chords
+        let is_chord = move |ends: &[u32; 2]| [f, g].iter().all(|o| o.is_chord(*ends, tolerance, &body.points));
+        let pieces = pieces(pair, &f.normal.cross(&g.normal), &body.points).into_iter();
+        pieces.filter(is_chord).map(move |ends| Chord { facets, ends })
+    };
+    pairs.par_iter().with_min_len(PARALLEL_FROM).flat_map_iter(chords).collect()
 }
 
 /// Where walls cross between common points, the edges that divide them get common points too, so that [`find`] can join them.
@@ -132,7 +132,7 @@ fn common_points(
             common.extend(crossing.map(|&g| Common { pair: u64::from(f) << 32 | u64::from(g), point }));
         }
     }
-    common.sort_unstable();
+    common.par_sort_unstable();
     common
 }
 

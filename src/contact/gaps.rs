@@ -1,7 +1,7 @@
 //! Leaves that come near each other without touching: most likely they were meant to touch.
 
 use super::body::Body;
-use super::candidates::FacetTrees;
+use super::candidates::{FacetTrees, PARALLEL_FROM};
 use super::conforming::Conforming;
 use super::outline::{Outline, sides};
 use crate::geom::Vec3;
@@ -11,6 +11,7 @@ use crate::geom::lists::Lists;
 use crate::geom::segment::between;
 use crate::ids::LeafId;
 use crate::primitive::solid::Solid;
+use rayon::prelude::*;
 use std::ops::ControlFlow;
 
 /// Gaps up to this many tolerances are suspicious: whoever wants a gap writes one that a mesh can resolve.
@@ -41,8 +42,15 @@ pub fn nearly_touching(solids: &[Solid], conforming: &Conforming) -> Vec<Gap> {
         return Vec::new();
     }
     let body = Body::apart(solids, conforming.tolerance);
-    let mut outlines = Outlines::default();
-    pairs.iter().filter_map(|&leaves| gap(&body, &conforming.trees, &mut outlines, leaves, reach)).collect()
+    let search = |pairs: &[[u32; 2]]| -> Vec<Gap> {
+        let mut outlines = Outlines::default();
+        pairs.iter().filter_map(|&leaves| gap(&body, &conforming.trees, &mut outlines, leaves, reach)).collect()
+    };
+    if body.facet_count() < PARALLEL_FROM {
+        return search(&pairs);
+    }
+    // In the order of pairs, so that those of one leaf mostly share its outlines.
+    pairs.par_chunks(pairs.len().div_ceil(64)).flat_map_iter(search).collect()
 }
 
 /// The gap between two leaves, unless it is wider than `reach` or they cross. `outlines` of facets are made when needed.

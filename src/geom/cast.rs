@@ -22,6 +22,12 @@ const DIRECTIONS: [[f64; 3]; 8] = [
     [-0.662_743, -0.483_675, -0.572_467],
 ];
 
+/// Reach of the first search for the next triangle at least, in the distances that are too near to be told: up to such a one, the
+/// search would end with nothing.
+const AT_FIRST: f64 = 2.0;
+/// By how much each further search reaches farther.
+const FARTHER: f64 = 4.0;
+
 /// Triangles with a box tree over them.
 pub struct Caster<'a> {
     points: &'a [Vec3],
@@ -158,8 +164,8 @@ impl<'a> Caster<'a> {
     pub fn distance_to_next(&self, from: &Vec3, direction: &Vec3, skipped: u32, least: f64) -> Option<f64> {
         let beyond_all = self.reach_from(from) / direction.norm();
         let segment = Segment::new(from, &(from + direction * beyond_all), &self.tree.bounds());
-        // The next triangle is mostly near, and very many may lie behind it: so far at first, then four times as far.
-        let mut until = (Aabb::around(self.corners(skipped).iter()).diagonal() / direction.norm()).max(2.0 * least);
+        // The next triangle is mostly near, and very many may lie behind it: so far at first, then farther and farther.
+        let mut until = (Aabb::around(self.corners(skipped).iter()).diagonal() / direction.norm()).max(AT_FIRST * least);
         loop {
             let best = Cell::new(until.min(beyond_all));
             // What lies behind the nearest triangle so far need not be looked at, and nothing if that is too near.
@@ -180,7 +186,7 @@ impl<'a> Caster<'a> {
             if !is_more_beyond {
                 return None;
             }
-            until = (4.0 * until).max(f64::MIN_POSITIVE);
+            until = (FARTHER * until).max(f64::MIN_POSITIVE);
         }
     }
 }

@@ -28,8 +28,9 @@ use crate::geom::lists::Lists;
 use std::borrow::Cow;
 use std::path::Path;
 
-/// Largest surface file: what is longer has more facets than a leaf may have.
-const MAX_FILE_BYTES: u64 = 1 << 30;
+/// Largest surface file: what is longer has more facets than a leaf may have (STL takes some 250 bytes for one as text, 50 as
+/// binary; other formats less than 100).
+const MAX_FILE_BYTES: u64 = 3 << 30;
 
 /// Polygons over numbered points, as a file gives them: nothing is welded, checked or oriented.
 #[derive(Clone, PartialEq, Debug, Default)]
@@ -96,22 +97,24 @@ pub fn read_surface(path: &Path) -> Result<PolygonMesh, Diagnostic> {
         return Err(fault.hint("reduce the surface before it is imported"));
     }
     let bytes = std::fs::read(path).map_err(cannot)?;
-    // Some programs begin a text with a byte order mark.
-    let text = || {
-        let bytes = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&bytes);
-        // Nearly all files are good; those are checked in a fraction of the time.
-        let text = str::from_utf8(bytes).map_or_else(|_| String::from_utf8_lossy(bytes), Cow::Borrowed);
-        if text.contains('\r') { Cow::Owned(with_line_feeds(text.into_owned())) } else { text }
-    };
     let mesh = match format {
-        SurfaceFormat::Obj => obj::read(&text()),
-        SurfaceFormat::Off => off::read(&text()),
+        SurfaceFormat::Obj => obj::read(&as_text(&bytes)),
+        SurfaceFormat::Off => off::read(&as_text(&bytes)),
         SurfaceFormat::Stl => stl::read(&bytes),
     };
     mesh.map_err(|e| {
         let fault = Diagnostic::error("malformed-file", e.in_file(path));
         fault.hint(format!("is it really {}? Export it again, or correct that line", format.told()))
     })
+}
+
+/// The bytes of a text with line feeds between its lines; copied only where they have to be changed.
+fn as_text(bytes: &[u8]) -> Cow<'_, str> {
+    // Some programs begin a text with a byte order mark.
+    let bytes = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(bytes);
+    // Nearly all files are good; those are checked in a fraction of the time.
+    let text = str::from_utf8(bytes).map_or_else(|_| String::from_utf8_lossy(bytes), Cow::Borrowed);
+    if text.contains('\r') { Cow::Owned(with_line_feeds(text.into_owned())) } else { text }
 }
 
 /// What is wrong with a file.

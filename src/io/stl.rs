@@ -1,7 +1,6 @@
 //! Stereolithography, text or binary: triangles, each with its own points.
 
-use super::{FormatError, PolygonMesh, coordinates};
-use crate::diag::with_line_feeds;
+use super::{FormatError, PolygonMesh, as_text, coordinates};
 
 /// Bytes before the triangles of a binary file, the last four being their number.
 const HEADER: usize = 84;
@@ -19,7 +18,7 @@ pub fn read(bytes: &[u8]) -> Result<PolygonMesh, FormatError> {
     if is_binary {
         read_binary(&bytes[HEADER..], &mut mesh)?;
     } else if bytes.trim_ascii_start().starts_with(b"solid") && !bytes.contains(&0) {
-        read_text(&with_line_feeds(String::from_utf8_lossy(bytes).into_owned()), &mut mesh)?;
+        read_text(&as_text(bytes), &mut mesh)?;
     } else {
         let message = match declared {
             Some(n) if bytes.contains(&0) => {

@@ -8,6 +8,9 @@ use crate::geom::Vec3;
 use crate::ids::{Id, IdVec, PartId, VertexId};
 use crate::scene::model::Part;
 
+/// Facets below which all stays on one thread: waking another one takes as long as the work.
+const PARALLEL_FROM: usize = 4096;
+
 /// The PLC of an evaluated model. Vertices and facets keep their order; marker numbers are marker ids from 1, region numbers
 /// part ids from 1. Facets get their hole points, volumes of parts a seed each (in region order), voids a hole.
 ///
@@ -15,22 +18,15 @@ use crate::scene::model::Part;
 /// Internal errors only: a facet without an outline, a hole or region without inside, or no finite coordinates.
 pub fn build(complex: &Complex, parts: &IdVec<PartId, Part>) -> Outcome<Plc> {
     let vertices: Vec<Vec3> = complex.vertices.iter().map(|v| v.point).collect();
-    let mut faults = Vec::new();
-    let mut facets = Vec::with_capacity(complex.facets.len());
-    for (id, f) in complex.facets.enumerate() {
-        match polygons_of(f, &vertices) {
-            Ok(facet) if facet.polygons.iter().any(|p| p.len() > 2) => facets.push(facet),
-            Ok(_) => faults.push(Diagnostic::internal("facet-outline", format!("facet {} has no outline", id.0))),
-            Err(point) => {
-                faults.push(Diagnostic::internal("facet-hole", format!("a hole of facet {} has no inside", id.0)).near(point))
-            }
-        }
-    }
-    if !faults.is_empty() {
-        return Err(faults);
-    }
-    let (triangles, sides) = triangles_of(complex);
-    let points = seeds::find(complex, &Sides { points: &vertices, triangles: &triangles, sides: &sides })?;
+    let find_seeds = || {
+        let (triangles, sides) = triangles_of(complex);
+        seeds::find(complex, &Sides { points: &vertices, triangles: &triangles, sides: &sides })
+    };
+    let (facets, points) = match complex.facets.len() < PARALLEL_FROM {
+        true => (facets_of(complex, &vertices), find_seeds()),
+        false => rayon::join(|| facets_of(complex, &vertices), find_seeds),
+    };
+    let (facets, points) = (facets?, points?);
     let mut plc = Plc { vertices, facets, ..Plc::default() };
     for (region, &point) in complex.regions.iter().zip(&points) {
         match (region.part, point) {
@@ -44,6 +40,22 @@ pub fn build(complex: &Complex, parts: &IdVec<PartId, Part>) -> Outcome<Plc> {
         }
     }
     Ok(plc)
+}
+
+/// All facets in their order.
+fn facets_of(complex: &Complex, vertices: &[Vec3]) -> Outcome<Vec<PlcFacet>> {
+    let mut faults = Vec::new();
+    let mut facets = Vec::with_capacity(complex.facets.len());
+    for (id, f) in complex.facets.enumerate() {
+        match polygons_of(f, vertices) {
+            Ok(facet) if facet.polygons.iter().any(|p| p.len() > 2) => facets.push(facet),
+            Ok(_) => faults.push(Diagnostic::internal("facet-outline", format!("facet {} has no outline", id.0))),
+            Err(point) => {
+                faults.push(Diagnostic::internal("facet-hole", format!("a hole of facet {} has no inside", id.0)).near(point))
+            }
+        }
+    }
+    if faults.is_empty() { Ok(facets) } else { Err(faults) }
 }
 
 /// All triangles of a complex and the regions on their sides, facet by facet.

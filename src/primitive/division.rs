@@ -10,8 +10,8 @@ const DEFAULT_SEGMENTS: u32 = 24;
 const MIN_SEGMENTS: u32 = 3;
 /// Finer circles (chord error 1e-10 of the radius) run into the contact tolerance.
 pub(crate) const MAX_SEGMENTS: u32 = 100_000;
-/// Facets of one leaf: about 0.5 GB of memory in this stage, several in the later ones.
-pub(crate) const MAX_FACETS: usize = 2_000_000;
+/// Facets of one leaf: fine scans have no more, and a few such leaves are what `scene::Limits::memory` allows for all together.
+pub(crate) const MAX_FACETS: usize = 10_000_000;
 
 /// Number of chords per full circle of `radius` (in the scene's unit): the finest of the given rules, at least 3.
 ///

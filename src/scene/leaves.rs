@@ -35,8 +35,8 @@ pub(super) struct Planter<'l> {
     known: HashMap<u64, Vec<LeafId>>,
     limits: &'l Limits,
     bytes: f64,
-    /// Facets of the leaf that has the most, and where it stands.
-    pub largest: (f64, Span),
+    /// Facets of the leaf that has the most, where it stands, and what would make them fewer.
+    pub largest: (f64, Span, &'static str),
     nodes: usize,
     /// Motions from the outermost to the innermost.
     motions: Vec<Motion>,
@@ -55,7 +55,7 @@ impl<'l> Planter<'l> {
             known,
             limits,
             bytes: 0.0,
-            largest: (0.0, Span::default()),
+            largest: (0.0, Span::default(), ""),
             nodes: 0,
             motions,
             names: Vec::new(),
@@ -110,12 +110,10 @@ impl<'l> Planter<'l> {
 
     /// A warning if the leaves have very many facets.
     pub fn forecast(&self) -> Option<Diagnostic> {
-        let (total, (facets, span)) = (self.bytes / BYTES_PER_FACET, self.largest);
+        let (total, (facets, span, remedy)) = (self.bytes / BYTES_PER_FACET, self.largest);
         (total >= MANY_FACETS).then(|| {
             let message = format!("building takes long: about {total:.2e} facets, {facets:.2e} of them on this solid");
-            Diagnostic::warning("many-facets", message)
-                .at(span)
-                .hint("use fewer segments, or a larger max_angle or max_chord_error, if that is fine enough")
+            Diagnostic::warning("many-facets", message).at(span).hint(format!("{remedy}, if that is fine enough"))
         })
     }
 
@@ -161,14 +159,17 @@ impl<'l> Planter<'l> {
         }
         let facets = facet_estimate(&leaf);
         let bytes = self.bytes + BYTES_PER_FACET * facets;
+        let (code, what, remedy) = match leaf.primitive {
+            Primitive::Import { .. } => ("too-many-facets", "the facets up to this surface", "reduce it before it is imported"),
+            _ => ("too-many-segments", "this discretization", "use fewer segments, or a larger max_angle or max_chord_error"),
+        };
         if bytes > self.limits.memory {
-            let message = format!("this discretization would need more than {:.1} GB of memory", self.limits.memory / 1e9);
-            let hint = "use fewer segments, or a larger max_angle or max_chord_error";
-            return Err(Diagnostic::error("too-many-segments", message).at(leaf.span).hint(hint));
+            let message = format!("{what} would need more than {:.1} GB of memory", self.limits.memory / 1e9);
+            return Err(Diagnostic::error(code, message).at(leaf.span).hint(remedy));
         }
         self.bytes = bytes;
         if facets > self.largest.0 {
-            self.largest = (facets, leaf.span);
+            self.largest = (facets, leaf.span, remedy);
         }
         let id = self.leaves.push(leaf);
         self.known.entry(key).or_default().push(id);

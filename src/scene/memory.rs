@@ -4,6 +4,16 @@ use super::model::{Division, Leaf, Path2, Primitive, Profile};
 use super::polyline::{arc_angles, walk};
 use crate::geom::plane::distance;
 use std::f64::consts::{PI, TAU};
+use std::fs::File;
+use std::io::Read as _;
+use std::path::Path;
+
+/// Bytes of a file for each facet, about: triangles in STL as text; others, where each point serves six triangles.
+const STL_TEXT_FACET: f64 = 200.0;
+const TEXT_FACET: f64 = 40.0;
+/// Bytes of an STL file before its triangles, and of each, if it is binary.
+const STL_HEADER: usize = 84;
+const STL_FACET: u64 = 50;
 
 /// Facets of the leaf once it is divided, within a small factor.
 pub(super) fn facet_estimate(leaf: &Leaf) -> f64 {
@@ -33,9 +43,22 @@ pub(super) fn facet_estimate(leaf: &Leaf) -> f64 {
             2.0 * chords * (circle(reach) * angle / TAU).max(1.0)
         }
         Primitive::PathSweep { profile, path, .. } => 2.0 * chords(profile, &circle).0 * path_chords(path, &circle).0,
-        // Its file has its own limit.
-        Primitive::Import { .. } => 1.0,
+        Primitive::Import { path, .. } => facets_of_file(path).unwrap_or(1.0),
     }
+}
+
+/// Facets of a surface file, by its length; what is wrong with it is told when it is read.
+fn facets_of_file(path: &Path) -> Option<f64> {
+    let mut file = File::open(path).ok()?;
+    let bytes = file.metadata().ok()?.len();
+    if !path.extension()?.eq_ignore_ascii_case("stl") {
+        return Some(bytes as f64 / TEXT_FACET);
+    }
+    let mut header = [0; STL_HEADER];
+    let is_short = file.read_exact(&mut header).is_err();
+    let count = u64::from(u32::from_le_bytes([header[80], header[81], header[82], header[83]]));
+    let is_binary = !is_short && bytes == STL_HEADER as u64 + STL_FACET * count;
+    Some(if is_binary { count as f64 } else { bytes as f64 / STL_TEXT_FACET })
 }
 
 /// Chords of a full circle.

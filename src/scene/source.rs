@@ -87,10 +87,21 @@ fn end_of_comment(text: &str) -> Option<usize> {
     None
 }
 
+/// Bytes of the text from one count of its characters to the next: a scene on one line is not counted from its begin for each
+/// of its values.
+const COUNTED: usize = 256;
+
+/// Characters that begin in a piece of UTF-8: all bytes but those that go on with one.
+fn begun(piece: &[u8]) -> usize {
+    piece.iter().filter(|&&byte| byte & 0xC0 != 0x80).count()
+}
+
 /// The whole text, and where its lines begin.
 pub(super) struct Source<'a> {
     text: &'a str,
     line_starts: Vec<usize>,
+    /// Characters that begin before each [`COUNTED`]th byte.
+    counts: Vec<usize>,
     work: usize,
 }
 
@@ -98,7 +109,17 @@ impl<'a> Source<'a> {
     /// The source of `text`.
     pub fn new(text: &'a str) -> Self {
         let line_starts = std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect();
-        Self { text, line_starts, work: 0 }
+        let mut counts = vec![0];
+        for piece in text.as_bytes().chunks_exact(COUNTED) {
+            counts.extend(counts.last().map(|before| before + begun(piece)));
+        }
+        Self { text, line_starts, counts, work: 0 }
+    }
+
+    /// Characters that begin before a byte of the text.
+    fn characters_before(&self, offset: usize) -> usize {
+        let counted = offset / COUNTED;
+        self.counts[counted] + begun(&self.text.as_bytes()[counted * COUNTED..offset])
     }
 
     /// Line and column of a byte of the text.
@@ -106,7 +127,7 @@ impl<'a> Source<'a> {
         let offset = offset.min(self.text.len());
         let line = self.line_starts.partition_point(|&start| start <= offset);
         let start = line.checked_sub(1).and_then(|k| self.line_starts.get(k)).copied().unwrap_or(0);
-        let column = 1 + self.text.get(start..offset).map_or(0, |before| before.chars().count());
+        let column = 1 + self.characters_before(offset) - self.characters_before(start);
         Span { line: line as u32, column: column as u32 }
     }
 
@@ -138,5 +159,26 @@ impl<'a> Source<'a> {
         let options =
             ron::Options::default().with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES).with_recursion_limit(MAX_DEPTH);
         options.from_str(raw.0).map_err(|error| fault::from_ron(error, self, raw))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_are_characters_of_the_line() {
+        // Characters of one to four bytes over several counts, and a length that is a multiple of what is counted at once.
+        let line = "aé€😀".repeat(100);
+        let text = format!("{line}\n\n{line}{}", "x".repeat(COUNTED - (2 * line.len() + 2) % COUNTED));
+        let source = Source::new(&text);
+        for (at, _) in text.char_indices().chain([(text.len(), ' ')]) {
+            let before = &text[..at];
+            let line = 1 + before.matches('\n').count();
+            let column = 1 + before.rsplit('\n').next().map_or(0, |last| last.chars().count());
+            assert_eq!(source.span_at(at), Span { line: line as u32, column: column as u32 }, "{at}");
+        }
+        assert_eq!(source.span_at(text.len() + 9), source.span_at(text.len()));
+        assert_eq!(Source::new("").span_at(0), Span { line: 1, column: 1 });
     }
 }

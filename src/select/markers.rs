@@ -43,7 +43,7 @@ pub fn assign(
     let mut claims: Vec<Claim> = vec![Claim::default(); scene.boundaries.len()];
     let mut keys: Vec<Option<Key>> = vec![None; kept.len()];
     let mut numbers: BTreeMap<Key, MarkerId> = BTreeMap::new();
-    let candidates = Candidates::new(scene);
+    let (candidates, mut last) = (Candidates::new(scene), None);
     for (cell, _) in kept.iter().enumerate().filter(|k| *k.1) {
         let mut parts = parts_of(cell).map(|p| p.unwrap_or(OUTSIDE));
         parts.sort_unstable();
@@ -57,8 +57,11 @@ pub fn assign(
             }
         }
         let key = (parts, first);
-        numbers.insert((parts, None), MarkerId(0));
-        numbers.insert(key, MarkerId(0));
+        // Neighbours mostly have the same.
+        if last.replace(key) != Some(key) {
+            numbers.insert((parts, None), MarkerId(0));
+            numbers.insert(key, MarkerId(0));
+        }
         keys[cell] = Some(key);
     }
     for (k, number) in numbers.values_mut().enumerate() {

@@ -1,12 +1,14 @@
 //! Retained sub-cells of one facet with the same sides become one polygon.
 
-use super::SelectedFacet;
+use super::{SHARE, SelectedFacet};
 use crate::arrangement::Arrangement;
 use crate::classify::EdgeUses;
 use crate::contact::conforming::Owner;
 use crate::geom::hash::IndexSet;
 use crate::geom::union_find::UnionFind;
 use crate::ids::{Id, LeafId, MarkerId};
+use rayon::prelude::*;
+use std::ops::Range;
 
 /// Walks up to which comparing all pairs is faster than sorting.
 const SHORT_WALK: usize = 16;
@@ -19,7 +21,7 @@ pub fn merge(
     kept: &[bool],
     marker_of: &[MarkerId],
     source_of: &[u32],
-    volumes_of: impl Fn(usize) -> [u32; 2],
+    volumes_of: impl Fn(usize) -> [u32; 2] + Sync,
 ) -> Vec<SelectedFacet> {
     let cells = &arrangement.cells;
     let source = |cell: usize| cells.owners_of(cell)[source_of[cell] as usize];
@@ -33,19 +35,23 @@ pub fn merge(
     let mut sets = UnionFind::new(cells.len());
     // For each corner whose edge vanishes, the matching corner on the other side.
     let mut twin = vec![u32::MAX; cells.corners().len()];
-    let mut alive: Vec<u32> = Vec::new();
-    for group in edges.groups() {
-        alive.clear();
-        alive.extend(group.iter().filter(|&&c| kept[edges.cell_of[c as usize] as usize]));
-        let &[a, b] = &alive[..] else { continue };
-        let (p, q) = (edges.cell_of[a as usize] as usize, edges.cell_of[b as usize] as usize);
+    let cell = |corner: u32| edges.cell_of[corner as usize] as usize;
+    let vanishing = |group: &[u32]| {
+        let mut alive = group.iter().copied().filter(|&c| kept[cell(c)]);
+        let (Some(a), Some(b), None) = (alive.next(), alive.next(), alive.next()) else { return None };
+        let (p, q) = (cell(a), cell(b));
         let is_opposite = edges.is_forward[a as usize] != edges.is_forward[b as usize];
         let is_same_turn = source(p).is_flipped == source(q).is_flipped;
-        if is_opposite && is_same_turn && (p == q || key(p) == key(q)) {
-            sets.join(p as u32, q as u32);
-            twin[a as usize] = b;
-            twin[b as usize] = a;
-        }
+        (is_opposite && is_same_turn && (p == q || key(p) == key(q))).then_some([a, b])
+    };
+    let shares: Vec<Range<usize>> =
+        (0..edges.count()).step_by(SHARE).map(|from| from..(from + SHARE).min(edges.count())).collect();
+    let search = |share: &Range<usize>| edges.groups_in(share.clone()).filter_map(vanishing).collect::<Vec<_>>();
+    let found: Vec<Vec<[u32; 2]>> = shares.par_iter().map(search).collect();
+    for [a, b] in found.into_iter().flatten() {
+        sets.join(cell(a) as u32, cell(b) as u32);
+        twin[a as usize] = b;
+        twin[b as usize] = a;
     }
     let (set_of, _) = sets.number();
     collect(arrangement, edges, kept, &set_of, &twin, &|cell| (source(cell), volumes_of(cell), marker_of[cell]))

@@ -24,6 +24,10 @@ use crate::geom::union_find::UnionFind;
 use crate::ids::{IdVec, LeafId, MarkerId, PartId};
 use crate::primitive::solid::Solid;
 use crate::scene::model::{BoundaryId, Scene};
+use rayon::prelude::*;
+
+/// Sub-cells or edges that one thread takes at once: each takes a few memory accesses.
+const SHARE: usize = 1 << 14;
 
 /// Retained facets over the points of the arrangement.
 pub struct Selected {
@@ -62,7 +66,8 @@ pub struct SelectedFacet {
 pub fn select(scene: &Scene, solids: &[Solid], arrangement: &Arrangement, classified: &Classified) -> Selected {
     let decision = decide::Decision::new(scene, classified);
     let parts_beside = |cell: usize| decision.parts_beside(classified, cell, arrangement.cells.fate_of(cell));
-    let kept: Vec<bool> = (0..arrangement.cells.len()).map(|cell| parts_beside(cell)[0] != parts_beside(cell)[1]).collect();
+    let is_kept = |cell: usize| parts_beside(cell)[0] != parts_beside(cell)[1];
+    let kept: Vec<bool> = (0..arrangement.cells.len()).into_par_iter().with_min_len(SHARE).map(is_kept).collect();
     let killed = (0..kept.len() as u32).filter(|&cell| !kept[cell as usize]).collect();
     let (volume_of_shell, count) = volumes(arrangement, classified, &kept);
     let volumes_of = |cell: usize| classified.shells[cell].map(|s| volume_of_shell[s as usize]);
