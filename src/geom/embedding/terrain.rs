@@ -23,6 +23,9 @@ use std::ops::ControlFlow;
 /// on steep places cross more easily.
 const STEEPEST: f64 = 0.4;
 
+/// Least cosine to the normal of the first triangle where a terrain has to be flat.
+const FLAT: f64 = 0.95;
+
 /// Triangles whose boxes are compared as one. (16 and 64 took a tenth longer on a sphere of a million.)
 const CHUNK: usize = 32;
 
@@ -47,23 +50,27 @@ impl Terrains {
             members: Vec::with_capacity(triangles.len()),
             ends: Vec::new(),
         };
-        let mut seen_along = Vec::new();
-        for (t, projection) in projections.iter().enumerate() {
-            if let (&Some(projection), NONE) = (projection, all.of[t]) {
-                all.grow(t as u32, projection);
-                seen_along.push(projection);
-            }
-        }
-        let numbers: Vec<u32> = (0..seen_along.len() as u32).collect();
-        let is_simple: Vec<bool> = numbers
-            .par_iter()
-            .map(|&k| is_simple(&all.rim(k), |v| seen_along[k as usize].apply(&points[v as usize])))
-            .collect();
-        let live = all.live(&seen_along, &is_simple);
+        let mut terrains = all.grow_from(0..triangles.len() as u32, projections, None);
+        // What covers itself may be a polygon and walls around it that are seen as well: each by itself does not.
+        let folded: Vec<u32> = (0..terrains.len() as u32).filter(|&k| !terrains[k as usize].is_simple).collect();
+        let members: Vec<u32> = folded.iter().flat_map(|&k| all.members(k)).copied().collect();
+        members.iter().for_each(|&t| all.of[t as usize] = NONE);
+        folded.iter().for_each(|&k| terrains[k as usize].is_replaced = true);
+        terrains.extend(all.grow_from(members.into_iter(), projections, Some(FLAT)));
+        let live = all.live(&terrains);
         let mut of = all.of;
-        of.iter_mut().filter(|k| **k != NONE && !is_simple[**k as usize]).for_each(|k| *k = NONE);
+        of.iter_mut().filter(|k| **k != NONE && !terrains[**k as usize].is_simple).for_each(|k| *k = NONE);
         Self { of, live }
     }
+}
+
+/// What is known of a terrain.
+struct Terrain {
+    seen_along: Projection,
+    /// Whether its rim is a simple polygon.
+    is_simple: bool,
+    /// Whether its members became those of others.
+    is_replaced: bool,
 }
 
 struct Growth<'a> {
@@ -80,14 +87,41 @@ struct Growth<'a> {
 }
 
 impl Growth<'_> {
-    /// The terrain around a triangle: neighbours are added while it stays a disk.
-    fn grow(&mut self, seed: u32, projection: Projection) {
+    /// The terrains around triangles that have none yet; see [`Growth::grow`].
+    fn grow_from(
+        &mut self,
+        seeds: impl Iterator<Item = u32>,
+        projections: &[Option<Projection>],
+        likeness: Option<f64>,
+    ) -> Vec<Terrain> {
+        let (first, mut seen_along) = (self.ends.len() as u32, Vec::new());
+        for t in seeds {
+            if let (Some(projection), NONE) = (projections[t as usize], self.of[t as usize]) {
+                self.grow(t, projection, likeness);
+                seen_along.push(projection);
+            }
+        }
+        let points = self.points;
+        let terrain = |(k, &seen_along): (usize, &Projection)| Terrain {
+            seen_along,
+            is_simple: is_simple(&self.rim(first + k as u32), |v| seen_along.apply(&points[v as usize])),
+            is_replaced: false,
+        };
+        seen_along.par_iter().enumerate().map(terrain).collect()
+    }
+
+    /// The terrain around a triangle: neighbours are added while it stays a disk. With a likeness, only those whose normals
+    /// have at least this cosine to that of the triangle.
+    fn grow(&mut self, seed: u32, projection: Projection, likeness: Option<f64>) {
+        let is_like = |all: &Self, t: u32| likeness.is_none_or(|cosine| all.cosine(seed, t) >= cosine);
         let own = self.ends.len() as u32;
         let mut waiting = VecDeque::from([seed]);
         let begin = self.members.len();
         while let Some(t) = waiting.pop_front() {
             let is_first = self.members.len() == begin;
-            if self.of[t as usize] == NONE && (is_first || self.keeps_a_disk(t, own) && self.is_seen(t, projection)) {
+            if self.of[t as usize] == NONE
+                && (is_first || self.keeps_a_disk(t, own) && self.is_seen(t, projection) && is_like(self, t))
+            {
                 self.of[t as usize] = own;
                 self.members.push(t);
                 self.triangles[t as usize].iter().for_each(|v| self.seen_by[*v as usize] = own);
@@ -120,10 +154,21 @@ impl Growth<'_> {
     /// Whether a triangle is counter-clockwise in a projection, and not steep.
     fn is_seen(&self, t: u32, projection: Projection) -> bool {
         let [a, b, c] = self.triangles[t as usize].map(|v| &self.points[v as usize]);
-        let normal = (b - a).cross(&(c - a));
+        let normal = self.normal(t);
         let axis = 3 - projection.u - projection.v;
         normal[axis as usize].abs() >= STEEPEST * normal.amax()
             && orient2d(projection.apply(a), projection.apply(b), projection.apply(c)) > 0
+    }
+
+    fn normal(&self, t: u32) -> Vec3 {
+        let [a, b, c] = self.triangles[t as usize].map(|v| &self.points[v as usize]);
+        (b - a).cross(&(c - a))
+    }
+
+    /// Of the angle between the normals of two triangles.
+    fn cosine(&self, s: u32, t: u32) -> f64 {
+        let [m, n] = [s, t].map(|t| self.normal(t));
+        m.dot(&n) / (m.norm() * n.norm())
     }
 
     fn members(&self, terrain: u32) -> &[u32] {
@@ -140,11 +185,11 @@ impl Growth<'_> {
     }
 
     /// All triangles near others than those of their own terrain, if that is simple.
-    fn live(&self, seen_along: &[Projection], is_simple: &[bool]) -> Vec<u32> {
+    fn live(&self, terrains: &[Terrain]) -> Vec<u32> {
         // Members in an order of neighbours, and where each chunk ends.
         let (mut members, mut ends, mut boxes) = (Vec::with_capacity(self.members.len()), vec![0], Vec::new());
-        for (terrain, &projection) in (0..).zip(seen_along) {
-            let chunks = self.chunks(terrain, projection);
+        for (number, terrain) in (0..).zip(terrains).filter(|t| !t.1.is_replaced) {
+            let chunks = self.chunks(number, terrain.seen_along);
             for chunk in (0..chunks.count() as u32).map(|k| chunks.of(k)).filter(|c| !c.is_empty()) {
                 let corners = chunk.iter().flat_map(|t| &self.triangles[*t as usize]);
                 boxes.push(Aabb::around(corners.map(|v| &self.points[*v as usize])));
@@ -153,7 +198,7 @@ impl Growth<'_> {
             }
         }
         let terrain = |chunk: u32| self.of[members[ends[chunk as usize]] as usize];
-        let mut is_live: Vec<bool> = (0..boxes.len() as u32).map(|k| !is_simple[terrain(k) as usize]).collect();
+        let mut is_live: Vec<bool> = (0..boxes.len() as u32).map(|k| !terrains[terrain(k) as usize].is_simple).collect();
         let tree = Bvh::new(boxes);
         for task in tree.pair_tasks(1) {
             tree.overlapping_pairs(task, |a, b| {
