@@ -10,6 +10,7 @@
 
 mod apart;
 mod contact;
+mod growth;
 mod hulls;
 mod loose;
 mod terrain;
@@ -25,8 +26,8 @@ use super::predicates::{Projection, orient2d};
 use hulls::{Hulls, Thing};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
-use terrain::Terrains;
-use twins::NONE;
+use terrain::{Mesh, Terrains};
+use twins::{NONE, twins};
 
 /// Pieces that the search is cut into: enough to keep many threads busy, few enough to cost nothing on one. It is fixed,
 /// so that the result does not depend on the number of threads.
@@ -79,14 +80,16 @@ pub struct Violation {
 /// are given depends on the arguments only, not on the number of threads. Cost: O(n log n + pairs that no plane is found between +
 /// pairs of edges of terrains' rims whose boxes overlap).
 pub fn violations(points: &[Vec3], triangles: &[[u32; 3]], limit: usize) -> Vec<Violation> {
-    let projections: Vec<Option<Projection>> =
-        triangles.par_iter().with_min_len(1024).map(|t| projection_of(t.map(|v| points[v as usize]))).collect();
+    let projection = |t: &[u32; 3]| projection_of(t.map(|v| points[v as usize]));
+    let projections = || triangles.par_iter().with_min_len(1024).map(projection).collect::<Vec<_>>();
+    let beside = || if triangles.len() < MANY { Vec::new() } else { twins(points.len(), triangles) };
+    let (projections, twins) = rayon::join(projections, beside);
     let mut found: Vec<Violation> = (0..triangles.len() as u32)
         .filter(|&t| projections[t as usize].is_none())
         .map(|t| Violation { triangles: [t, t], kind: Kind::Degenerate, point: points[triangles[t as usize][0] as usize] })
         .take(limit)
         .collect();
-    let (faces, hulls) = sort(points, triangles, &projections);
+    let (faces, hulls) = sort(points, triangles, &projections, &twins);
     let search = |task| {
         let mut local = Vec::new();
         hulls.pairs(task, |s, t| {
@@ -102,9 +105,9 @@ pub fn violations(points: &[Vec3], triangles: &[[u32; 3]], limit: usize) -> Vec<
 }
 
 /// The triangles with area that may meet others wrongly, in the order of a tree over them.
-fn sort(points: &[Vec3], triangles: &[[u32; 3]], projections: &[Option<Projection>]) -> (Vec<Face>, Hulls) {
+fn sort(points: &[Vec3], triangles: &[[u32; 3]], projections: &[Option<Projection>], twins: &[u32]) -> (Vec<Face>, Hulls) {
     let Terrains { of, live } = if triangles.len() >= MANY {
-        Terrains::new(points, triangles, projections)
+        Terrains::new(&Mesh { points, triangles, projections, twins })
     } else {
         let has_area = (0..triangles.len() as u32).filter(|&t| projections[t as usize].is_some());
         Terrains { of: vec![NONE; triangles.len()], live: has_area.collect() }
