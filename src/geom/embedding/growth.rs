@@ -38,12 +38,10 @@ impl Disks {
     }
 }
 
-/// Disks that grow among some triangles; `slot` tells the places of these.
-pub(super) struct Growth<'a, F> {
+/// Disks that grow.
+pub(super) struct Growth<'a> {
     mesh: &'a Mesh<'a>,
-    seeds: &'a [u32],
-    slot: F,
-    /// For every place the disk.
+    /// For every triangle the disk.
     of: Vec<u32>,
     /// For every vertex the last disk that has it.
     seen_by: Vec<u32>,
@@ -52,32 +50,31 @@ pub(super) struct Growth<'a, F> {
     count: u32,
 }
 
-impl<'a, F: Fn(u32) -> Option<usize> + Sync> Growth<'a, F> {
-    pub fn new(mesh: &'a Mesh<'a>, seeds: &'a [u32], slot: F) -> Self {
-        let (of, seen_by) = (vec![NONE; seeds.len()], vec![NONE; mesh.points.len()]);
-        Self { mesh, seeds, slot, of, seen_by, members: Vec::with_capacity(seeds.len()), count: 0 }
+impl<'a> Growth<'a> {
+    pub fn new(mesh: &'a Mesh<'a>) -> Self {
+        let (of, seen_by) = (vec![NONE; mesh.triangles.len()], vec![NONE; mesh.points.len()]);
+        Self { mesh, of, seen_by, members: Vec::with_capacity(mesh.triangles.len()), count: 0 }
     }
 
-    /// The disks of all triangles that have a projection.
-    pub fn disks(mut self) -> Disks {
-        let mut all = self.grow_from(self.seeds, None);
+    /// The disks of all triangles that have a projection: their numbers by triangle, and the disks.
+    pub fn disks(mut self) -> (Vec<u32>, Disks) {
+        let mut all = self.grow_from(0..self.mesh.triangles.len() as u32, None);
         // What covers itself may be a polygon and walls around it that are seen as well: each by itself does not.
-        let folded: Vec<u32> = all.iter().filter(|d| !d.is_simple).flat_map(|d| &self.members[d.range.clone()]).copied().collect();
-        for slot in folded.iter().filter_map(|&t| (self.slot)(t)) {
-            self.of[slot] = NONE;
-        }
+        let folded: Vec<u32> =
+            all.iter().filter(|d| !d.is_simple).flat_map(|d| &self.members[d.range.clone()]).copied().collect();
+        folded.iter().for_each(|&t| self.of[t as usize] = NONE);
         all.retain(|d| d.is_simple);
-        all.extend(self.grow_from(&folded, Some(FLAT)));
-        Disks { members: self.members, all }
+        all.extend(self.grow_from(folded.into_iter(), Some(FLAT)));
+        (self.of, Disks { members: self.members, all })
     }
 
     /// The disks around triangles that are in none yet; see [`Growth::grow`].
-    fn grow_from(&mut self, seeds: &[u32], likeness: Option<f64>) -> Vec<Disk> {
+    fn grow_from(&mut self, seeds: impl Iterator<Item = u32>, likeness: Option<f64>) -> Vec<Disk> {
         let first = self.count;
         let mut disks = Vec::new();
-        for &t in seeds {
+        for t in seeds {
             if let Some(seen_along) = self.mesh.projections[t as usize]
-                && self.disk_of(t) == NONE
+                && self.of[t as usize] == NONE
             {
                 disks.push(Disk { range: self.grow(t, seen_along, likeness), seen_along, is_simple: false });
             }
@@ -96,33 +93,27 @@ impl<'a, F: Fn(u32) -> Option<usize> + Sync> Growth<'a, F> {
         let (begin, own) = (self.members.len(), self.count);
         let mut waiting = VecDeque::from([seed]);
         while let Some(t) = waiting.pop_front() {
-            let Some(slot) = (self.slot)(t).filter(|&slot| self.of[slot] == NONE) else { continue };
             let fits = |all: &Self| {
                 all.keeps_a_disk(t, own)
                     && all.mesh.is_seen(t, projection)
                     && likeness.is_none_or(|cosine| all.mesh.cosine(seed, t) >= cosine)
             };
-            if t == seed || fits(self) {
-                self.of[slot] = own;
+            if self.of[t as usize] == NONE && (t == seed || fits(self)) {
+                self.of[t as usize] = own;
                 self.members.push(t);
                 self.mesh.triangles[t as usize].iter().for_each(|v| self.seen_by[*v as usize] = own);
                 let beyond = (0..3).filter_map(|k| self.mesh.beyond(t, k));
-                waiting.extend(beyond.filter(|&n| self.disk_of(n) == NONE));
+                waiting.extend(beyond.filter(|&n| self.of[n as usize] == NONE));
             }
         }
         self.count += 1;
         begin..self.members.len()
     }
 
-    /// The disk of a triangle; [`NONE`] for all that are elsewhere, too.
-    fn disk_of(&self, t: u32) -> u32 {
-        (self.slot)(t).map_or(NONE, |slot| self.of[slot])
-    }
-
     /// Whether a disk is one with a further triangle: it has two sides in common with it, or one side and not the corner
     /// opposite.
     fn keeps_a_disk(&self, t: u32, own: u32) -> bool {
-        let is_common = |k: u32| self.mesh.beyond(t, k).is_some_and(|n| self.disk_of(n) == own);
+        let is_common = |k: u32| self.mesh.beyond(t, k).is_some_and(|n| self.of[n as usize] == own);
         let is_known = |k: u32| self.seen_by[self.mesh.triangles[t as usize][k as usize] as usize] == own;
         match [0, 1, 2].map(is_common) {
             [true, false, false] => !is_known(2),
@@ -135,7 +126,7 @@ impl<'a, F: Fn(u32) -> Option<usize> + Sync> Growth<'a, F> {
     /// The sides of a disk's triangles that are not between two of them.
     fn rim(&self, disk: u32, members: Range<usize>) -> Vec<[u32; 2]> {
         let sides = self.members[members].iter().flat_map(|&t| (0..3).map(move |k| (t, k)));
-        let is_rim = |&(t, k): &(u32, u32)| self.mesh.beyond(t, k).is_none_or(|n| self.disk_of(n) != disk);
+        let is_rim = |&(t, k): &(u32, u32)| self.mesh.beyond(t, k).is_none_or(|n| self.of[n as usize] != disk);
         let ends = |(t, k): (u32, u32)| [k, (k + 1) % 3].map(|k| self.mesh.triangles[t as usize][k as usize]);
         sides.filter(is_rim).map(ends).collect()
     }

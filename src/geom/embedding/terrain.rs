@@ -8,10 +8,8 @@
 //! So most pairs of neighbours, which are most of the pairs that an exact test has to look at, need not be tested: it takes one
 //! sign for each triangle and a test of the rims. What is left are triangles near the borders of terrains. A surface of many
 //! folds has many small terrains, and less is gained.
-//!
-//! Terrains grow in eight blocks of space, at once where there are threads.
 
-use super::growth::{Disks, Growth};
+use super::growth::{Disk, Disks, Growth};
 use super::twins::NONE;
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
@@ -25,8 +23,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Triangles whose boxes are compared as one. (16 and 64 took a tenth longer on a sphere of a million.)
 const CHUNK: usize = 32;
 
-/// Triangles from which on terrains grow in blocks of space: their borders cost more than threads gain on fewer.
-const BLOCKS_FROM: usize = 1 << 15;
+/// Terrains that are divided into chunks together.
+const DISKS: usize = 64;
 
 /// Pieces that searches for pairs of chunks are cut into.
 const TASKS: usize = 64;
@@ -52,60 +50,12 @@ pub(super) struct Terrains {
 impl Terrains {
     /// The terrains of all triangles that have a projection in which they are counter-clockwise. O(n log n).
     pub fn new(mesh: &Mesh) -> Self {
-        let blocks = Blocks::new(mesh);
-        let grow = |block: u8| Growth::new(mesh, blocks.lists.of(block.into()), |t| blocks.slot(block, t)).disks();
-        let grown: Vec<Disks> = (0..blocks.lists.count() as u8).into_par_iter().map(grow).collect();
-        let (mut of, mut count) = (vec![NONE; mesh.triangles.len()], 0);
-        for disks in &grown {
-            for (members, disk) in disks.all() {
-                if disk.is_simple {
-                    members.iter().for_each(|&t| of[t as usize] = count);
-                }
-                count += 1;
-            }
+        let (mut of, disks) = Growth::new(mesh).disks();
+        let live = live(mesh, &disks);
+        for (members, _) in disks.all().filter(|d| !d.1.is_simple) {
+            members.iter().for_each(|&t| of[t as usize] = NONE);
         }
-        let live = live(mesh, &grown);
         Self { of, live }
-    }
-}
-
-/// Triangles by the octant of the model that they lie in.
-struct Blocks {
-    lists: Lists,
-    /// For every triangle its block and its place there; empty if there is one block only.
-    slots: Vec<(u8, u32)>,
-}
-
-impl Blocks {
-    fn new(mesh: &Mesh) -> Self {
-        let all = 0..mesh.triangles.len() as u32;
-        if mesh.triangles.len() < BLOCKS_FROM {
-            return Self { lists: Lists::from_iter(1, all.map(|t| (0, t))), slots: Vec::new() };
-        }
-        let middle = Aabb::around(mesh.points).center();
-        let octant = |corners: &[u32; 3]| {
-            let p = &mesh.points[corners[0] as usize];
-            (0..3).fold(0, |o, k| 2 * o + u8::from(p[k] > middle[k]))
-        };
-        let octants: Vec<u8> = mesh.triangles.par_iter().with_min_len(1024).map(octant).collect();
-        let lists = Lists::from_iter(8, octants.iter().zip(all).map(|(&o, t)| (o.into(), t)));
-        let mut next = [0; 8];
-        let slot = |o: u8| {
-            let place = next[usize::from(o)];
-            next[usize::from(o)] += 1;
-            (o, place)
-        };
-        let slots = octants.into_iter().map(slot).collect();
-        Self { lists, slots }
-    }
-
-    /// The place of a triangle in a block, if it is there.
-    fn slot(&self, block: u8, t: u32) -> Option<usize> {
-        if self.slots.is_empty() {
-            return Some(t as usize);
-        }
-        let (own, place) = self.slots[t as usize];
-        (own == block).then_some(place as usize)
     }
 }
 
@@ -118,11 +68,8 @@ struct Chunk {
 }
 
 /// All triangles near others than those of their own terrain, if that is simple.
-fn live(mesh: &Mesh, grown: &[Disks]) -> Vec<u32> {
-    let firsts = grown.iter().scan(0, |next, disks| Some(std::mem::replace(next, *next + disks.all().count() as u32)));
-    let parts: Vec<_> = grown.iter().zip(firsts).collect();
-    let parts: Vec<(Vec<u32>, Vec<Chunk>)> = parts.into_par_iter().map(|(disks, first)| chunks(mesh, disks, first)).collect();
-    let chunks: Vec<&Chunk> = parts.iter().flat_map(|p| &p.1).collect();
+fn live(mesh: &Mesh, disks: &Disks) -> Vec<u32> {
+    let (members, chunks) = chunks(mesh, disks);
     let is_live: Vec<AtomicBool> = chunks.iter().map(|c| AtomicBool::new(!c.is_simple)).collect();
     let tree = Bvh::new(chunks.iter().map(|c| c.bounds).collect());
     tree.pair_tasks(TASKS).into_par_iter().for_each(|task| {
@@ -133,22 +80,33 @@ fn live(mesh: &Mesh, grown: &[Disks]) -> Vec<u32> {
             ControlFlow::Continue(())
         });
     });
-    let all = parts.iter().flat_map(|(members, chunks)| chunks.iter().map(|c| &members[c.members.clone()]));
-    all.zip(is_live).filter(|c| c.1.load(Ordering::Relaxed)).flat_map(|c| c.0).copied().collect()
+    let near = chunks.iter().zip(is_live).filter(|c| c.1.load(Ordering::Relaxed));
+    near.flat_map(|(chunk, _)| &members[chunk.members.clone()]).copied().collect()
 }
 
-/// The members of disks chunk by chunk; `first` is the number of the first disk's terrain.
-fn chunks(mesh: &Mesh, disks: &Disks, first: u32) -> (Vec<u32>, Vec<Chunk>) {
-    let (mut members, mut chunks) = (Vec::new(), Vec::new());
-    for ((own, disk), terrain) in disks.all().zip(first..) {
-        let squares = squares(mesh, own, disk.seen_along);
-        for square in (0..squares.count() as u32).map(|k| squares.of(k)).filter(|s| !s.is_empty()) {
-            let corners = square.iter().flat_map(|t| &mesh.triangles[*t as usize]);
-            let bounds = Aabb::around(corners.map(|v| &mesh.points[*v as usize]));
-            let range = members.len()..members.len() + square.len();
-            chunks.push(Chunk { members: range, bounds, terrain, is_simple: disk.is_simple });
-            members.extend_from_slice(square);
+/// The members of disks chunk by chunk, and the chunks.
+fn chunks(mesh: &Mesh, disks: &Disks) -> (Vec<u32>, Vec<Chunk>) {
+    let all: Vec<_> = disks.all().zip(0..).collect();
+    let few = |some: &[((&[u32], &Disk), u32)]| {
+        let (mut members, mut chunks) = (Vec::new(), Vec::new());
+        for &((own, disk), terrain) in some {
+            let squares = squares(mesh, own, disk.seen_along);
+            for square in (0..squares.count() as u32).map(|k| squares.of(k)).filter(|s| !s.is_empty()) {
+                let corners = square.iter().flat_map(|t| &mesh.triangles[*t as usize]);
+                let bounds = Aabb::around(corners.map(|v| &mesh.points[*v as usize]));
+                let range = members.len()..members.len() + square.len();
+                chunks.push(Chunk { members: range, bounds, terrain, is_simple: disk.is_simple });
+                members.extend_from_slice(square);
+            }
         }
+        (members, chunks)
+    };
+    let parts: Vec<(Vec<u32>, Vec<Chunk>)> = all.par_chunks(DISKS).map(few).collect();
+    let (mut members, mut chunks) = (Vec::with_capacity(mesh.triangles.len()), Vec::new());
+    for (some, own) in parts {
+        let moved = |chunk: Chunk| Chunk { members: members.len() + chunk.members.start..members.len() + chunk.members.end, ..chunk };
+        chunks.extend(own.into_iter().map(moved));
+        members.extend(some);
     }
     (members, chunks)
 }
