@@ -75,7 +75,7 @@ fn live(mesh: &Mesh, disks: &Disks) -> Vec<u32> {
     tree.pair_tasks(TASKS).into_par_iter().for_each(|task| {
         tree.overlapping_pairs(task, |a, b| {
             if chunks[a as usize].terrain != chunks[b as usize].terrain {
-                [a, b].map(|c| is_live[c as usize].store(true, Ordering::Relaxed));
+                [a, b].into_iter().for_each(|c| is_live[c as usize].store(true, Ordering::Relaxed));
             }
             ControlFlow::Continue(())
         });
@@ -104,7 +104,8 @@ fn chunks(mesh: &Mesh, disks: &Disks) -> (Vec<u32>, Vec<Chunk>) {
     let parts: Vec<(Vec<u32>, Vec<Chunk>)> = all.par_chunks(DISKS).map(few).collect();
     let (mut members, mut chunks) = (Vec::with_capacity(mesh.triangles.len()), Vec::new());
     for (some, own) in parts {
-        let moved = |chunk: Chunk| Chunk { members: members.len() + chunk.members.start..members.len() + chunk.members.end, ..chunk };
+        let moved =
+            |chunk: Chunk| Chunk { members: members.len() + chunk.members.start..members.len() + chunk.members.end, ..chunk };
         chunks.extend(own.into_iter().map(moved));
         members.extend(some);
     }

@@ -251,7 +251,8 @@ fn terrains_hide_no_contact() {
         assert_eq!(found, one_by_one(&points, &triangles), "{round}");
         let projections: Vec<_> = triangles.iter().map(|t| projection_of(t.map(|v| points[v as usize]))).collect();
         let twins = twins(points.len(), &triangles);
-        let terrains = Terrains::new(&Mesh { points: &points, triangles: &triangles, projections: &projections, twins: &twins });
+        let terrains =
+            Terrains::new(&Mesh { points: &points, triangles: &triangles, projections: &projections, twins: &twins });
         proven += terrains.of.iter().filter(|t| **t != NONE).count();
         hits += found.len();
         clean += usize::from(found.is_empty());
