@@ -65,9 +65,13 @@ pub(super) struct Task(u32, u32);
 impl Hulls {
     /// The tree over things. Cost: O(n log n).
     pub fn new(things: &[Thing]) -> Self {
-        let mut groups = by_terrain(things);
-        let tree = if groups.is_empty() { Vec::new() } else { divide_groups(things, &mut groups, 0) };
-        let order = groups.concat();
+        let hull = |group: Vec<u32>| (Hull::around(things, &group, 0), group);
+        let mut groups: Vec<_> = by_terrain(things).into_iter().map(hull).collect();
+        let mut tree = Vec::with_capacity(things.len());
+        if !groups.is_empty() {
+            divide_groups(things, &mut groups, 0, &mut tree);
+        }
+        let order: Vec<u32> = groups.into_iter().flat_map(|g| g.1).collect();
         let boxes = order.iter().map(|&t| Aabb::around(&things[t as usize].corners)).collect();
         Self { order, boxes, tree }
     }
@@ -153,51 +157,76 @@ fn by_terrain(things: &[Thing]) -> Vec<Vec<u32>> {
     groups
 }
 
-/// The tree over groups, which it brings into its order.
-fn divide_groups(things: &[Thing], groups: &mut [Vec<u32>], offset: usize) -> Vec<Hull> {
-    if let [group] = groups {
-        return divide(things, group, offset);
+/// Adds the tree over groups, which it brings into its order, and whose hulls are known.
+fn divide_groups(things: &[Thing], groups: &mut [(Hull, Vec<u32>)], offset: usize, tree: &mut Vec<Hull>) {
+    if let [(_, group)] = groups {
+        return divide(things, group, offset, tree);
     }
-    let of = |group: &Vec<u32>| Hull::around(things, group, offset).bounds.center();
-    let mut keyed: Vec<(Vec3, Vec<u32>)> = groups.iter_mut().map(|g| (of(g), std::mem::take(g))).collect();
-    let all = Aabb::around(keyed.iter().map(|k| &k.0));
-    let axis = (all.hi - all.lo).imax();
+    let centers = Aabb::around(&groups.iter().map(|g| g.0.bounds.center()).collect::<Vec<_>>());
+    let axis = (centers.hi - centers.lo).imax();
     // The sort is stable.
-    keyed.sort_by(|g, h| g.0[axis].total_cmp(&h.0[axis]));
-    groups.iter_mut().zip(keyed).for_each(|(slot, (_, group))| *slot = group);
-    let hull = Hull::around(things, &groups.concat(), offset);
+    groups.sort_by(|g, h| g.0.bounds.center()[axis].total_cmp(&h.0.bounds.center()[axis]));
+    let all = groups[1..].iter().fold(groups[0].0.all, |all, g| all.union(&g.0.all));
+    let count = |some: &[(Hull, Vec<u32>)]| some.iter().map(|g| g.1.len()).sum::<usize>();
+    let me = tree.len();
+    tree.push(Hull::new(all, offset..offset + count(groups)));
     let (low, high) = groups.split_at_mut(groups.len() / 2);
-    let first = divide_groups(things, low, offset);
-    let second = divide_groups(things, high, offset + low.iter().map(Vec::len).sum::<usize>());
-    joined(hull, first, second)
+    let next = offset + count(low);
+    halves(
+        me,
+        tree,
+        next - offset,
+        |tree| divide_groups(things, low, offset, tree),
+        |tree| divide_groups(things, high, next, tree),
+    );
 }
 
-/// The tree of a set and its halves.
-fn joined(all: Hull, first: Vec<Hull>, second: Vec<Hull>) -> Vec<Hull> {
-    let mut tree = Vec::with_capacity(1 + first.len() + second.len());
-    tree.push(Hull { second: 1 + first.len() as u32, ..all });
-    tree.extend(first);
-    tree.extend(second);
-    tree
-}
-
-/// The tree over some things, which it brings into its order; `offset` of them are before these.
-fn divide(things: &[Thing], mine: &mut [u32], offset: usize) -> Vec<Hull> {
-    let hull = Hull::around(things, mine, offset);
-    if mine.len() <= FEW {
-        return vec![hull];
+/// Adds the trees over the halves of a hull.
+fn halves(
+    me: usize,
+    tree: &mut Vec<Hull>,
+    size: usize,
+    first: impl FnOnce(&mut Vec<Hull>) + Send,
+    second: impl FnOnce(&mut Vec<Hull>) + Send,
+) {
+    if size < PARALLEL_FROM {
+        first(tree);
+        tree[me].second = (tree.len() - me) as u32;
+        return second(tree);
     }
+    let mut rest = Vec::new();
+    rayon::join(|| first(tree), || second(&mut rest));
+    tree[me].second = (tree.len() - me) as u32;
+    tree.append(&mut rest);
+}
+
+/// Adds the tree over some things, which it brings into its order; `offset` of them are before these.
+fn divide(things: &[Thing], mine: &mut [u32], offset: usize, tree: &mut Vec<Hull>) {
+    let me = tree.len();
+    let hull = Hull::around(things, mine, offset);
     let sizes = hull.all.corners.map(|b| b.hi - b.lo);
+    tree.push(hull);
+    if mine.len() <= FEW {
+        return;
+    }
     let widest = sizes.map(|s| s.imax());
     let corner = (1..3).fold(0, |best, k| if sizes[k][widest[k]] > sizes[best][widest[best]] { k } else { best });
     let place = |t: &u32| things[*t as usize].corners[corner][widest[corner]];
     let half = mine.len() / 2;
     mine.select_nth_unstable_by(half, |s, t| place(s).total_cmp(&place(t)).then(s.cmp(t)));
     let (low, high) = mine.split_at_mut(half);
-    let mut first = || divide(things, low, offset);
-    let mut second = || divide(things, high, offset + half);
-    let (first, second) = if half < PARALLEL_FROM { (first(), second()) } else { rayon::join(first, second) };
-    joined(hull, first, second)
+    halves(me, tree, half, |tree| divide(things, low, offset, tree), |tree| divide(things, high, offset + half, tree));
+}
+
+impl Thing<Aabb> {
+    /// What both have in common.
+    fn union(&self, other: &Self) -> Self {
+        Self {
+            corners: [0, 1, 2].map(|k| self.corners[k].union(&other.corners[k])),
+            hub: if self.hub == other.hub { self.hub } else { NONE },
+            terrain: if self.terrain == other.terrain { self.terrain } else { NONE },
+        }
+    }
 }
 
 impl Hull {
@@ -212,6 +241,10 @@ impl Hull {
             all.hub = if thing.hub == all.hub { all.hub } else { NONE };
             all.terrain = if thing.terrain == all.terrain { all.terrain } else { NONE };
         }
+        Self::new(all, offset..offset + mine.len())
+    }
+
+    fn new(all: Thing<Aabb>, range: Range<usize>) -> Self {
         let bounds = all.corners.iter().fold(Aabb::EMPTY, |all, b| all.union(b));
         // Along an axis where the corners fill it the hull is as good as its box.
         let is_short = |k: &usize| {
@@ -219,7 +252,7 @@ impl Hull {
             all.corners.iter().all(|b| extent(b) < THIN * extent(&bounds))
         };
         let is_thin = (0..3).filter(is_short).count() > 1;
-        Self { all, bounds, is_thin, range: offset as u32..(offset + mine.len()) as u32, second: 0 }
+        Self { all, bounds, is_thin, range: range.start as u32..range.end as u32, second: 0 }
     }
 
     /// Whether a plane is found between the two, or one through their common hub with the other corners on its two sides.
