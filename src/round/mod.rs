@@ -181,8 +181,10 @@ fn settle(
         regions::number(complex, parts, reach)?;
         *parts = complex.regions.iter().map(|r| r.part).collect();
     }
-    while checked.is_err() && repairs.rounds < repair::MAX_ROUNDS {
-        let Ok(draft) = repair::cut_again(complex, reach) else { break };
+    while let Err(faults) = &checked
+        && repairs.rounds < repair::MAX_ROUNDS
+    {
+        let Ok(draft) = repair::cut_again(complex, faults, reach) else { break };
         fill(complex, draft, reach)?;
         checked = check(complex, parts);
         if let Err(faults) = &checked

@@ -8,9 +8,9 @@
 //! rounding: Hobby 1999; in space: Devillers, Lazard, Lenhart 2018); edges of facets that still meet are cut at the vertices
 //! on them.
 
-use super::{Draft, Fault, Lineage, collapse, dissolve, touching};
+use super::{Breach, Draft, Fault, Lineage, collapse, dissolve, touching, verify};
 use crate::arrangement::{self, Arrangement};
-use crate::brep::complex::Complex;
+use crate::brep::complex::{Complex, ComplexFacet};
 use crate::classify::EdgeUses;
 use crate::contact::conforming::{Cell, Conforming, Owner};
 use crate::cull::Fate;
@@ -18,6 +18,7 @@ use crate::diag::Diagnostic;
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
 use crate::geom::bvh::Bvh;
+use crate::geom::embedding::Kind;
 use crate::geom::polygon::vector_area;
 use crate::geom::union_find::UnionFind;
 use crate::ids::{FacetId, Id, LeafId, MarkerId, PartId, RegionId, VertexId};
@@ -27,12 +28,12 @@ use std::ops::ControlFlow;
 /// Rounds after which a scene is refused; nothing known needs more than three.
 pub const MAX_ROUNDS: u32 = 8;
 
-/// Cuts the facets of a complex against each other. The regions keep their numbers.
+/// Cuts the facets of a complex against each other, where `faults` were found. The regions keep their numbers.
 ///
 /// # Errors
 /// If the facets do not bound the regions any more, or an interface would appear that the model has not.
-pub fn cut_again(complex: &Complex, reach: f64) -> Result<Draft, Diagnostic> {
-    let input = soup(complex);
+pub fn cut_again(complex: &Complex, faults: &[Fault], reach: f64) -> Result<Draft, Diagnostic> {
+    let input = soup(complex, met(complex, faults));
     let arrangement = arrangement::arrange(&input);
     let edges = EdgeUses::new(&arrangement)?;
     let (shells, count) = edges.shells(&arrangement.cells);
@@ -85,21 +86,53 @@ fn join_touching(complex: &Complex, sides: &mut [[RegionId; 2]]) {
     sides.iter_mut().flatten().for_each(|r| *r = RegionId(joined.find(r.0)));
 }
 
-/// Every facet is a leaf and a sheet of its own: valid in itself, and to be cut by all others.
-fn soup(complex: &Complex) -> Conforming {
-    let mut out = Conforming { points: complex.vertices.iter().map(|v| v.point).collect(), ..Conforming::default() };
+/// Pairs of facets that meet where they must not: all that may if `faults` are not all. Those without area were not compared.
+fn met(complex: &Complex, faults: &[Fault]) -> Vec<[u32; 2]> {
+    let place = |v: &VertexId| &complex.vertices[*v].point;
+    let around = |f: &ComplexFacet| Aabb::around(f.loops.iter().flatten().map(place));
+    let boxes: Vec<Aabb> = complex.facets.iter().map(around).collect();
+    let mut pairs = Vec::new();
+    if faults.len() >= verify::LIMIT {
+        let tree = Bvh::new(boxes);
+        for task in tree.pair_tasks(1) {
+            tree.overlapping_pairs(task, |f, g| {
+                pairs.push([f, g]);
+                ControlFlow::Continue(())
+            });
+        }
+        return pairs;
+    }
+    for fault in faults {
+        let [f, g] = fault.facets.map(|f| f.0);
+        match fault.what {
+            Breach::TurnedOver => {}
+            Breach::Meeting(Kind::Degenerate) => {
+                let flat = boxes[f as usize];
+                pairs.extend((0..).zip(&boxes).filter(|(_, b)| b.overlaps(&flat)).map(|(g, _)| [f.min(g), f.max(g)]));
+            }
+            Breach::Meeting(_) => pairs.push([f.min(g), f.max(g)]),
+        }
+    }
+    pairs.sort_unstable();
+    pairs.dedup();
+    pairs.retain(|[f, g]| f != g);
+    pairs
+}
+
+/// Every facet is a leaf and a sheet of its own: valid in itself, and to be cut by those that it meets.
+fn soup(complex: &Complex, pairs: Vec<[u32; 2]>) -> Conforming {
+    let points = complex.vertices.iter().map(|v| v.point).collect();
+    let mut is_cut = vec![false; complex.vertices.len()];
+    for v in pairs.iter().flatten().flat_map(|&f| complex.facets[FacetId(f)].loops.iter().flatten()) {
+        is_cut[v.index()] = true;
+    }
+    let mut out = Conforming { points, pairs, ..Conforming::default() };
     for (id, facet) in complex.facets.enumerate() {
         let triangles: Vec<[u32; 3]> = facet.triangles.iter().map(|t| t.map(|v| v.0)).collect();
         let owner = Owner { leaf: LeafId(id.0), facet: 0, is_flipped: false };
-        out.push(Cell { facet: id.0, sheet: id.0, is_near: true, fate: Fate::Live }, &[owner], &triangles);
-    }
-    let place = |v: &VertexId| &complex.vertices[*v].point;
-    let tree = Bvh::new(complex.facets.iter().map(|f| Aabb::around(f.loops.iter().flatten().map(place))).collect());
-    for task in tree.pair_tasks(1) {
-        tree.overlapping_pairs(task, |f, g| {
-            out.pairs.push([f, g]);
-            ControlFlow::Continue(())
-        });
+        // What has an edge in common with a facet that is cut is cut there as well.
+        let is_near = facet.loops.iter().flatten().any(|v| is_cut[v.index()]);
+        out.push(Cell { facet: id.0, sheet: id.0, is_near, fate: Fate::Live }, &[owner], &triangles);
     }
     out
 }

@@ -61,7 +61,7 @@ fn repaired(mut complex: Complex, draft: Draft, step: f64) -> usize {
     fill(&mut complex, draft, 2.0 * step).unwrap();
     let mut parts = complex.regions.iter().map(|r| r.part).collect();
     let (repairs, checked) = settle(&mut complex, &mut parts, 2.0 * step).unwrap();
-    let why = || repair::cut_again(&complex, 2.0 * step).err();
+    let why = || repair::cut_again(&complex, checked.as_ref().err().map_or(&[], |f| f), 2.0 * step).err();
     assert!(checked.is_ok(), "step {step:e}, {repairs:?}: {:?}; {checked:?}", why());
     for (old, new) in before.iter().zip(measure(&complex).volumes.iter()) {
         assert!((old - new).abs() <= 4.0 * area * step, "step {step:e}: {old} became {new}");

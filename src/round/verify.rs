@@ -13,7 +13,7 @@ use crate::geom::union_find::UnionFind;
 use crate::ids::{FacetId, Id, PartId, VertexId};
 
 /// Faults listed before giving up counting.
-const LIMIT: usize = 64;
+pub const LIMIT: usize = 64;
 
 /// What two facets do where a complex is broken.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, serde::Serialize)]

@@ -1,7 +1,8 @@
 //! Segments and vertices that belong to no triangle: do they meet triangles, or each other, where they must not?
 
-use super::bundles::{Bundles, Thing};
 use super::contact::{Contact, Segment, keep_worse};
+use super::hulls::{Hulls, Thing};
+use super::twins::NONE;
 use super::{Kind, projection_of};
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
@@ -54,12 +55,16 @@ pub fn loose_violations(points: &[Vec3], triangles: &[[u32; 3]], segments: &[[u3
         }
     }
     let mut met = Vec::new();
-    Bundles::new(&things(points, segments)).pairs(|s, t| {
-        let [s, t] = [s.min(t), s.max(t)];
-        let contact = with_segment(points, segments[s as usize], segments[t as usize]);
-        met.extend(contact.map(|(kind, point)| LooseViolation { segment: s, with: Partner::Segment(t), kind, point }));
-        if met.len() < limit { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
-    });
+    let hulls = Hulls::new(&things(points, segments));
+    for task in hulls.tasks(1) {
+        hulls.pairs(task, |s, t| {
+            let [s, t] = [s, t].map(|k| hulls.order()[k as usize]);
+            let [s, t] = [s.min(t), s.max(t)];
+            let contact = with_segment(points, segments[s as usize], segments[t as usize]);
+            met.extend(contact.map(|(kind, point)| LooseViolation { segment: s, with: Partner::Segment(t), kind, point }));
+            if met.len() < limit { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        });
+    }
     found.extend(met);
     found.sort_by_key(|v| (v.segment, v.with));
     found.truncate(limit);
@@ -80,7 +85,7 @@ fn things(points: &[Vec3], segments: &[[u32; 2]]) -> Vec<Thing> {
             order => order == Ordering::Greater,
         };
         let [a, b] = if is_along { [a, b] } else { [b, a] };
-        Thing { ends: [a, b].map(|v| Aabb::around([&points[v as usize]])), hub: Some(a) }
+        Thing { corners: [a, b, b].map(|v| points[v as usize]), hub: a, terrain: NONE }
     };
     segments.iter().map(turned).collect()
 }

@@ -8,9 +8,10 @@
 //! Example: two triangles over one edge are fine; with a vertex of a third in the middle of that edge, the third and each of
 //! the two are a `VertexOnEdge`.
 
-mod bundles;
+mod apart;
 mod contact;
-mod fans;
+mod growth;
+mod hulls;
 mod loose;
 mod terrain;
 #[cfg(test)]
@@ -21,17 +22,19 @@ pub(crate) use loose::is_inside;
 pub use loose::{LooseViolation, Partner, loose_violations};
 
 use super::Vec3;
-use super::aabb::Aabb;
-use super::bvh::Bvh;
 use super::predicates::{Projection, orient2d};
+use hulls::{Hulls, Thing};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
-use terrain::Terrains;
-use twins::NONE;
+use terrain::{Mesh, Terrains};
+use twins::{NONE, twins};
 
 /// Pieces that the search is cut into: enough to keep many threads busy, few enough to cost nothing on one. It is fixed,
 /// so that the result does not depend on the number of threads.
 const TASKS: usize = 512;
+
+/// Triangles at a vertex from which on it is their hub: they hardly meet elsewhere.
+const FAN: u32 = 128;
 
 /// Triangles from which on [`terrain`] gains time.
 const MANY: usize = 500;
@@ -74,60 +77,69 @@ pub struct Violation {
 ///
 /// `triangles` holds indices into `points`, either orientation; coordinates are finite. Vertices are shared by number, not by
 /// position. A triangle without area is reported once and not paired. If there are more than `limit` violations, which of them
-/// are given depends on the arguments only, not on the number of threads. Cost: O(n log n + pairs whose boxes overlap), and of
-/// triangles around vertices that very many share O(n log² n + pairs that no plane is found between), and pairs of edges of
-/// terrains' rims whose boxes overlap.
+/// are given depends on the arguments only, not on the number of threads. Cost: O(n log n + pairs that no plane is found between +
+/// pairs of edges of terrains' rims whose boxes overlap).
 pub fn violations(points: &[Vec3], triangles: &[[u32; 3]], limit: usize) -> Vec<Violation> {
-    let projections: Vec<Option<Projection>> =
-        triangles.par_iter().with_min_len(1024).map(|t| projection_of(t.map(|v| points[v as usize]))).collect();
+    let projection = |t: &[u32; 3]| projection_of(t.map(|v| points[v as usize]));
+    let projections = || triangles.par_iter().with_min_len(1024).map(projection).collect::<Vec<_>>();
+    let beside = || if triangles.len() < MANY { Vec::new() } else { twins(points.len(), triangles) };
+    let (projections, twins) = rayon::join(projections, beside);
     let mut found: Vec<Violation> = (0..triangles.len() as u32)
         .filter(|&t| projections[t as usize].is_none())
         .map(|t| Violation { triangles: [t, t], kind: Kind::Degenerate, point: points[triangles[t as usize][0] as usize] })
         .take(limit)
         .collect();
-    let (mut plain, fans) = fans::split(points, triangles, &projections);
-    let mut terrain_of = vec![NONE; triangles.len()];
-    if triangles.len() >= MANY {
-        let Terrains { of, live } = Terrains::new(points, triangles, &projections);
-        let mut is_plain = vec![false; triangles.len()];
-        plain.iter().for_each(|&t| is_plain[t as usize] = true);
-        plain = live.into_iter().filter(|&t| is_plain[t as usize]).collect();
-        terrain_of = of;
-    }
-    let around = |t: u32| Aabb::around(triangles[t as usize].iter().map(|&v| &points[v as usize]));
-    let mut tree = Bvh::new(plain.iter().map(|&t| around(t)).collect());
-    let number: Vec<u32> = tree.renumber().into_iter().map(|k| plain[k as usize]).collect();
-    // Triangles in the order of the tree: pairs then lie side by side in memory.
-    let face = |number: u32| {
-        let t = number as usize;
-        Face { number, corners: triangles[t], projection: projections[t], terrain: terrain_of[t] }
-    };
-    let faces: Vec<Face> = number.iter().map(|&t| face(t)).collect();
+    let (faces, hulls) = sort(points, triangles, &projections, &twins);
     let search = |task| {
         let mut local = Vec::new();
-        tree.overlapping_pairs(task, |s, t| {
+        hulls.pairs(task, |s, t| {
             local.extend(violation(points, &faces[s as usize], &faces[t as usize]));
             if local.len() < limit { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
         });
         local
     };
-    let pieces: Vec<Vec<Violation>> = tree.pair_tasks(TASKS).into_par_iter().map(search).collect();
-    found.extend(pieces.into_iter().flatten());
-    let before = found.len();
-    for &t in &fans.triangles {
-        if found.len() - before >= limit {
-            break;
-        }
-        tree.overlapping(&around(t), |s| found.extend(violation(points, &faces[s as usize], &face(t))));
-    }
-    let before = found.len();
-    fans.pairs(|s, t| {
-        found.extend(violation(points, &face(s), &face(t)));
-        if found.len() - before < limit { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
-    });
+    found.par_extend(hulls.tasks(TASKS).into_par_iter().flat_map_iter(search));
     found.sort_unstable_by_key(|v| v.triangles);
     found.truncate(limit);
     found
+}
+
+/// The triangles with area that may meet others wrongly, in the order of a tree over them.
+fn sort(points: &[Vec3], triangles: &[[u32; 3]], projections: &[Option<Projection>], twins: &[u32]) -> (Vec<Face>, Hulls) {
+    let Terrains { of, live } = if triangles.len() >= MANY {
+        Terrains::new(&Mesh { points, triangles, projections, twins })
+    } else {
+        let has_area = (0..triangles.len() as u32).filter(|&t| projections[t as usize].is_some());
+        Terrains { of: vec![NONE; triangles.len()], live: has_area.collect() }
+    };
+    let mut degree = vec![0u32; points.len()];
+    for &v in triangles.iter().flatten() {
+        degree[v as usize] += 1;
+    }
+    let thing = |&t: &u32| {
+        let corners = from_hub(triangles[t as usize], points, &degree);
+        Thing { corners: corners.map(|v| points[v as usize]), hub: corners[0], terrain: of[t as usize] }
+    };
+    let hulls = Hulls::new(&live.par_iter().with_min_len(1024).map(thing).collect::<Vec<_>>());
+    let face = |&k: &u32| {
+        let t = live[k as usize] as usize;
+        Face { number: t as u32, corners: triangles[t], projection: projections[t], terrain: of[t] }
+    };
+    (hulls.order().par_iter().with_min_len(1024).map(face).collect(), hulls)
+}
+
+/// Corners in an order that is alike for triangles that are alike: first the one where most triangles meet, if very many do,
+/// else that of the sharpest angle.
+fn from_hub(corners: [u32; 3], points: &[Vec3], degree: &[u32]) -> [u32; 3] {
+    let hub = (1..3).fold(0, |h, k| if degree[corners[k] as usize] > degree[corners[h] as usize] { k } else { h });
+    let [a, b, c] = corners.map(|v| points[v as usize]);
+    let first = if degree[corners[hub] as usize] >= FAN {
+        hub
+    } else {
+        let opposite = [c - b, a - c, b - a].map(|e| e.norm_squared());
+        (1..3).fold(0, |h, k| if opposite[k] < opposite[h] { k } else { h })
+    };
+    [0, 1, 2].map(|k| corners[(first + k) % 3])
 }
 
 /// A triangle.

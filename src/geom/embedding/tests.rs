@@ -1,4 +1,5 @@
 use super::*;
+use crate::geom::aabb::Aabb;
 
 fn v(x: f64, y: f64, z: f64) -> Vec3 {
     Vec3::new(x, y, z)
@@ -249,10 +250,84 @@ fn terrains_hide_no_contact() {
         let found: Vec<[u32; 2]> = violations(&points, &triangles, usize::MAX).iter().map(|v| v.triangles).collect();
         assert_eq!(found, one_by_one(&points, &triangles), "{round}");
         let projections: Vec<_> = triangles.iter().map(|t| projection_of(t.map(|v| points[v as usize]))).collect();
-        let terrains = Terrains::new(&points, &triangles, &projections);
+        let twins = twins(points.len(), &triangles);
+        let terrains =
+            Terrains::new(&Mesh { points: &points, triangles: &triangles, projections: &projections, twins: &twins });
         proven += terrains.of.iter().filter(|t| **t != NONE).count();
         hits += found.len();
         clean += usize::from(found.is_empty());
     }
     assert!(proven > 40 * 600 && hits > 40 * 5 && clean > 0, "{proven} {hits} {clean}");
+}
+
+/// A random number below 1, from a state.
+fn chance(state: &mut u64) -> f64 {
+    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+    (*state >> 33) as f64 / f64::from(1u32 << 31)
+}
+
+#[test]
+fn thin_things_hide_no_contact() {
+    // Needles, plates in stacks and fans, turned anyhow; some share a vertex, some meet.
+    let mut state = 11u64;
+    let (mut hits, mut clean) = (0, 0);
+    for round in 0..60 {
+        let mut any = || v(chance(&mut state), chance(&mut state), chance(&mut state)) * 2.0 - v(1.0, 1.0, 1.0);
+        let (along, across, step) = (any() * 5.0, any() * if round % 2 == 0 { 0.02 } else { 4.0 }, any() * 0.05);
+        let hub = any() * 9.0;
+        let (mut points, mut triangles) = (vec![hub], Vec::new());
+        for k in 0..120 {
+            let from = if round % 3 == 0 { hub } else { step * f64::from(k) };
+            let slip = any() * if k % 10 == 0 { 0.2 } else { 0.001 };
+            let first = if round % 3 == 0 { 0 } else { points.len() as u32 };
+            if first > 0 {
+                points.push(from);
+            }
+            let next = points.len() as u32;
+            points.extend([hub + along + step * f64::from(k) * 3.0 + slip, hub + along + across + step * f64::from(k) * 3.0]);
+            triangles.push([first, next, next + 1]);
+        }
+        let found: Vec<[u32; 2]> = violations(&points, &triangles, usize::MAX).iter().map(|v| v.triangles).collect();
+        assert_eq!(found, one_by_one(&points, &triangles), "{round}");
+        hits += found.len();
+        clean += usize::from(found.is_empty());
+    }
+    assert!(hits > 1000 && clean > 3, "{hits} {clean}");
+}
+
+/// A comb of so many teeth, extruded: caps in fans of needles, walls in stacks.
+fn comb(teeth: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let tooth = |k: u32| [(0.9, 10.0), (0.5, 10.0), (0.5, 1.0), (0.1, 1.0)].map(|(x, y)| (f64::from(k) + x, y));
+    let rim = [(0.0, 0.0), (f64::from(teeth), 0.0)].into_iter().chain((0..teeth).rev().flat_map(tooth));
+    let flat: Vec<Vec3> = rim.map(|(x, y)| v(x, y, 0.0)).collect();
+    let n = flat.len() as u32;
+    let points: Vec<Vec3> = flat.iter().copied().chain(flat.iter().map(|p| p + v(0.0, 0.0, 3.0))).collect();
+    let walk: Vec<u32> = (0..n).collect();
+    let cap = crate::geom::polygon::triangulate(&[&walk], &[], &[], &flat).unwrap();
+    let mut triangles: Vec<[u32; 3]> = cap.iter().map(|&[a, b, c]| [a, c, b]).collect();
+    triangles.extend(cap.iter().map(|t| t.map(|v| v + n)));
+    for (a, b) in (0..n).map(|k| (k, (k + 1) % n)) {
+        triangles.extend([[a, b, b + n], [a, b + n, a + n]]);
+    }
+    (points, triangles)
+}
+
+#[test]
+fn of_a_comb_few_pairs_are_looked_at() {
+    let pairs = |teeth: u32| {
+        let (points, triangles) = comb(teeth);
+        assert_eq!(violations(&points, &triangles, 9), []);
+        let projections: Vec<_> = triangles.iter().map(|t| projection_of(t.map(|v| points[v as usize]))).collect();
+        let (_, hulls) = sort(&points, &triangles, &projections, &twins(points.len(), &triangles));
+        let mut count = 0;
+        for task in hulls.tasks(1) {
+            hulls.pairs(task, |_, _| {
+                count += 1;
+                ControlFlow::Continue(())
+            });
+        }
+        count as f64 / triangles.len() as f64
+    };
+    let [few, many] = [pairs(200), pairs(2000)];
+    assert!(few < 30.0 && many < 1.5 * few, "{few} {many}");
 }
