@@ -1,9 +1,9 @@
 //! Exact proof that triangles meet only in whole shared vertices and edges.
 //!
 //! Reads triangles with `f64` vertices from `round` or a .poly file; whatever else the triangles have in common is a
-//! [`Violation`]. Candidate pairs come from a self-join of the box tree; the great majority are neighbours, which
-//! [`contact`] settles by a few signs in a coordinate plane. Only the rest needs signs of volumes. Everything is decided by
-//! `predicates`, so a penetration by one unit in the last place is found and a near miss is none.
+//! [`Violation`]. Candidate pairs come from a self-join of a tree of boxes, or of hulls where boxes part too little; the great
+//! majority are neighbours, which [`contact`] settles by a few signs in a coordinate plane. Only the rest needs signs of volumes.
+//! Everything is decided by `predicates`, so a penetration by one unit in the last place is found and a near miss is none.
 //!
 //! Example: two triangles over one edge are fine; with a vertex of a third in the middle of that edge, the third and each of
 //! the two are a `VertexOnEdge`.
@@ -22,6 +22,8 @@ pub(crate) use loose::is_inside;
 pub use loose::{LooseViolation, Partner, loose_violations};
 
 use super::Vec3;
+use super::aabb::Aabb;
+use super::bvh::Bvh;
 use super::predicates::{Projection, orient2d};
 use hulls::{Hulls, Thing};
 use rayon::prelude::*;
@@ -32,6 +34,10 @@ use twins::{NONE, twins};
 /// Pieces that the search is cut into: enough to keep many threads busy, few enough to cost nothing on one. It is fixed,
 /// so that the result does not depend on the number of threads.
 const TASKS: usize = 512;
+
+/// Pairs of overlapping boxes per triangle, in one of the pieces, from which on hulls are sought instead: surfaces of well-shaped
+/// triangles have some ten in all, fans and oblique needles as many as there are triangles. Hulls take half as long again.
+const PAIRS_PER_TRIANGLE: usize = 200;
 
 /// Triangles at a vertex from which on it is their hub: they hardly meet elsewhere.
 const FAN: u32 = 128;
@@ -89,43 +95,77 @@ pub fn violations(points: &[Vec3], triangles: &[[u32; 3]], limit: usize) -> Vec<
         .map(|t| Violation { triangles: [t, t], kind: Kind::Degenerate, point: points[triangles[t as usize][0] as usize] })
         .take(limit)
         .collect();
-    let (faces, hulls) = sort(points, triangles, &projections, &twins);
-    let search = |task| {
-        let mut local = Vec::new();
-        hulls.pairs(task, |s, t| {
-            local.extend(violation(points, &faces[s as usize], &faces[t as usize]));
-            if local.len() < limit { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
-        });
-        local
-    };
-    found.par_extend(hulls.tasks(TASKS).into_par_iter().flat_map_iter(search));
+    let live = Live::new(points, triangles, &projections, &twins);
+    found.extend(live.meeting_by_boxes(points, limit).unwrap_or_else(|| live.meeting_by_hulls(points, limit)));
     found.sort_unstable_by_key(|v| v.triangles);
     found.truncate(limit);
     found
 }
 
-/// The triangles with area that may meet others wrongly, in the order of a tree over them.
-fn sort(points: &[Vec3], triangles: &[[u32; 3]], projections: &[Option<Projection>], twins: &[u32]) -> (Vec<Face>, Hulls) {
-    let Terrains { of, live } = if triangles.len() >= MANY {
-        Terrains::new(&Mesh { points, triangles, projections, twins })
-    } else {
-        let has_area = (0..triangles.len() as u32).filter(|&t| projections[t as usize].is_some());
-        Terrains { of: vec![NONE; triangles.len()], live: has_area.collect() }
-    };
-    let mut degree = vec![0u32; points.len()];
-    for &v in triangles.iter().flatten() {
-        degree[v as usize] += 1;
+/// The triangles with area that may meet others wrongly.
+struct Live(Vec<Face>);
+
+impl Live {
+    fn new(points: &[Vec3], triangles: &[[u32; 3]], projections: &[Option<Projection>], twins: &[u32]) -> Self {
+        let Terrains { of, live } = if triangles.len() >= MANY {
+            Terrains::new(&Mesh { points, triangles, projections, twins })
+        } else {
+            let has_area = (0..triangles.len() as u32).filter(|&t| projections[t as usize].is_some());
+            Terrains { of: vec![NONE; triangles.len()], live: has_area.collect() }
+        };
+        let face = |&t: &u32| {
+            let k = t as usize;
+            Face { number: t, corners: triangles[k], projection: projections[k], terrain: of[k] }
+        };
+        Self(live.par_iter().with_min_len(1024).map(face).collect())
     }
-    let thing = |&t: &u32| {
-        let corners = from_hub(triangles[t as usize], points, &degree);
-        Thing { corners: corners.map(|v| points[v as usize]), hub: corners[0], terrain: of[t as usize] }
-    };
-    let hulls = Hulls::new(&live.par_iter().with_min_len(1024).map(thing).collect::<Vec<_>>());
-    let face = |&k: &u32| {
-        let t = live[k as usize] as usize;
-        Face { number: t as u32, corners: triangles[t], projection: projections[t], terrain: of[t] }
-    };
-    (hulls.order().par_iter().with_min_len(1024).map(face).collect(), hulls)
+
+    /// What is wrong between pairs whose boxes overlap; `None` if these are too many.
+    fn meeting_by_boxes(&self, points: &[Vec3], limit: usize) -> Option<Vec<Violation>> {
+        let around = |face: &Face| Aabb::around(face.corners.iter().map(|&v| &points[v as usize]));
+        let mut tree = Bvh::new(self.0.par_iter().with_min_len(1024).map(around).collect());
+        let faces = self.in_order(&tree.renumber());
+        let most = PAIRS_PER_TRIANGLE * (faces.len() / TASKS + 1);
+        let search = |task| {
+            let (mut local, mut count) = (Vec::new(), 0);
+            tree.overlapping_pairs(task, |s, t| {
+                count += 1;
+                local.extend(violation(points, &faces[s as usize], &faces[t as usize]));
+                if count < most && local.len() < limit { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+            });
+            (count < most).then_some(local)
+        };
+        let found: Option<Vec<Vec<Violation>>> = tree.pair_tasks(TASKS).into_par_iter().map(search).collect();
+        Some(found?.into_iter().flatten().collect())
+    }
+
+    /// The same of pairs between whose hulls no plane is found.
+    fn meeting_by_hulls(&self, points: &[Vec3], limit: usize) -> Vec<Violation> {
+        let mut degree = vec![0u32; points.len()];
+        for &v in self.0.iter().flat_map(|f| &f.corners) {
+            degree[v as usize] += 1;
+        }
+        let thing = |face: &Face| {
+            let corners = from_hub(face.corners, points, &degree);
+            Thing { corners: corners.map(|v| points[v as usize]), hub: corners[0], terrain: face.terrain }
+        };
+        let hulls = Hulls::new(&self.0.par_iter().with_min_len(1024).map(thing).collect::<Vec<_>>());
+        let faces = self.in_order(hulls.order());
+        let search = |task| {
+            let mut local = Vec::new();
+            hulls.pairs(task, |s, t| {
+                local.extend(violation(points, &faces[s as usize], &faces[t as usize]));
+                if local.len() < limit { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+            });
+            local
+        };
+        hulls.tasks(TASKS).into_par_iter().flat_map_iter(search).collect()
+    }
+
+    /// The faces in the order of a tree: pairs then lie side by side in memory.
+    fn in_order(&self, order: &[u32]) -> Vec<Face> {
+        order.par_iter().with_min_len(1024).map(|&k| self.0[k as usize]).collect()
+    }
 }
 
 /// Corners in an order that is alike for triangles that are alike: first the one where most triangles meet, if very many do,
@@ -143,6 +183,7 @@ fn from_hub(corners: [u32; 3], points: &[Vec3], degree: &[u32]) -> [u32; 3] {
 }
 
 /// A triangle.
+#[derive(Clone, Copy)]
 struct Face {
     number: u32,
     corners: [u32; 3],
