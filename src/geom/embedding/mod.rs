@@ -141,15 +141,7 @@ impl Live {
 
     /// The same of pairs between whose hulls no plane is found.
     fn meeting_by_hulls(&self, points: &[Vec3], limit: usize) -> Vec<Violation> {
-        let mut degree = vec![0u32; points.len()];
-        for &v in self.0.iter().flat_map(|f| &f.corners) {
-            degree[v as usize] += 1;
-        }
-        let thing = |face: &Face| {
-            let corners = from_hub(face.corners, points, &degree);
-            Thing { corners: corners.map(|v| points[v as usize]), hub: corners[0], terrain: face.terrain }
-        };
-        let hulls = Hulls::new(&self.0.par_iter().with_min_len(1024).map(thing).collect::<Vec<_>>());
+        let hulls = self.hulls(points);
         let faces = self.in_order(hulls.order());
         let search = |task| {
             let mut local = Vec::new();
@@ -160,6 +152,18 @@ impl Live {
             local
         };
         hulls.tasks(TASKS).into_par_iter().flat_map_iter(search).collect()
+    }
+
+    fn hulls(&self, points: &[Vec3]) -> Hulls {
+        let mut degree = vec![0u32; points.len()];
+        for &v in self.0.iter().flat_map(|f| &f.corners) {
+            degree[v as usize] += 1;
+        }
+        let thing = |face: &Face| {
+            let corners = from_hub(face.corners, points, &degree);
+            Thing { corners: corners.map(|v| points[v as usize]), hub: corners[0], terrain: face.terrain }
+        };
+        Hulls::new(&self.0.par_iter().with_min_len(1024).map(thing).collect::<Vec<_>>())
     }
 
     /// The faces in the order of a tree: pairs then lie side by side in memory.

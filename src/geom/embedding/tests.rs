@@ -266,6 +266,11 @@ fn chance(state: &mut u64) -> f64 {
     (*state >> 33) as f64 / f64::from(1u32 << 31)
 }
 
+fn live(points: &[Vec3], triangles: &[[u32; 3]]) -> Live {
+    let projections: Vec<_> = triangles.iter().map(|t| projection_of(t.map(|v| points[v as usize]))).collect();
+    Live::new(points, triangles, &projections, &twins(points.len(), triangles))
+}
+
 #[test]
 fn thin_things_hide_no_contact() {
     // Needles, plates in stacks and fans, turned anyhow; some share a vertex, some meet.
@@ -287,10 +292,16 @@ fn thin_things_hide_no_contact() {
             points.extend([hub + along + step * f64::from(k) * 3.0 + slip, hub + along + across + step * f64::from(k) * 3.0]);
             triangles.push([first, next, next + 1]);
         }
-        let found: Vec<[u32; 2]> = violations(&points, &triangles, usize::MAX).iter().map(|v| v.triangles).collect();
-        assert_eq!(found, one_by_one(&points, &triangles), "{round}");
-        hits += found.len();
-        clean += usize::from(found.is_empty());
+        let live = live(&points, &triangles);
+        let expected = one_by_one(&points, &triangles);
+        let sorted = |mut found: Vec<Violation>| {
+            found.sort_unstable_by_key(|v| v.triangles);
+            found.into_iter().map(|v| v.triangles).collect::<Vec<_>>()
+        };
+        assert_eq!(sorted(live.meeting_by_hulls(&points, usize::MAX)), expected, "{round}");
+        assert_eq!(live.meeting_by_boxes(&points, usize::MAX).map(sorted), Some(expected.clone()), "{round}");
+        hits += expected.len();
+        clean += usize::from(expected.is_empty());
     }
     assert!(hits > 1000 && clean > 3, "{hits} {clean}");
 }
@@ -317,8 +328,9 @@ fn of_a_comb_few_pairs_are_looked_at() {
     let pairs = |teeth: u32| {
         let (points, triangles) = comb(teeth);
         assert_eq!(violations(&points, &triangles, 9), []);
-        let projections: Vec<_> = triangles.iter().map(|t| projection_of(t.map(|v| points[v as usize]))).collect();
-        let (_, hulls) = sort(&points, &triangles, &projections, &twins(points.len(), &triangles));
+        let live = live(&points, &triangles);
+        assert!(live.meeting_by_boxes(&points, 9).is_none());
+        let hulls = live.hulls(&points);
         let mut count = 0;
         for task in hulls.tasks(1) {
             hulls.pairs(task, |_, _| {
