@@ -76,6 +76,7 @@ fn wrong_models_exit_1_say_where_and_write_nothing() {
         let run = gsm(["build", text(&path), "--json"], &folder);
         let report: Value = serde_json::from_slice(&run.stdout).unwrap();
         assert!(!report["errors"].as_array().unwrap().is_empty());
+        assert_eq!(report["file"], text(&path));
         assert!(files(&folder).is_empty(), "{} wrote {:?}", path.display(), files(&folder));
     }
 }
