@@ -35,7 +35,7 @@ pub(super) struct Mesh<'a> {
     pub triangles: &'a [[u32; 3]],
     /// In which each is counter-clockwise, if it has area.
     pub projections: &'a [Option<Projection>],
-    /// For every side the one beyond; see [`super::twins`].
+    /// For every side the one beyond; see [`super::twins()`].
     pub twins: &'a [u32],
 }
 
