@@ -78,7 +78,7 @@ pub struct MeshArgs {
     #[arg(long, value_name = "PROGRAM")]
     pub tetgen: Option<PathBuf>,
     /// Largest wanted ratio of circumradius to shortest edge of a tetrahedron [default: the scene's, else 2].
-    #[arg(long, value_name = "RATIO", value_parser = positive)]
+    #[arg(long, value_name = "RATIO", value_parser = ratio)]
     pub ratio: Option<f64>,
     /// Smallest wanted dihedral angle, in degrees [default: the scene's, else none].
     #[arg(long, value_name = "DEGREES", value_parser = angle)]
@@ -231,6 +231,14 @@ fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(x) if x.is_finite() && x > 0.0 => Ok(x),
         _ => Err("expected a number above zero".to_owned()),
+    }
+}
+
+/// A ratio of circumradius to shortest edge that TetGen can reach.
+fn ratio(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x.is_finite() && x >= 1.0 => Ok(x),
+        _ => Err("expected a number of at least 1".to_owned()),
     }
 }
 

@@ -84,8 +84,15 @@ fn wrong_models_exit_1_say_where_and_write_nothing() {
 #[test]
 fn wrong_arguments_exit_2() {
     let folder = folder("cli-usage");
-    let cases: [&[&str]; 6] =
-        [&[], &["bild"], &["build"], &["build", "a.ron", "--set", "gap"], &["build", "a.ron", "--threads", "0"], &["check"]];
+    let cases: [&[&str]; 7] = [
+        &[],
+        &["bild"],
+        &["build"],
+        &["build", "a.ron", "--set", "gap"],
+        &["build", "a.ron", "--threads", "0"],
+        &["check"],
+        &["mesh", "a.ron", "--ratio", "0.3"],
+    ];
     for arguments in cases {
         let run = gsm(arguments, &folder);
         assert_eq!(run.status.code(), Some(2), "{arguments:?}");
@@ -123,6 +130,10 @@ fn places_that_cannot_be_written_exit_1_and_change_nothing() {
         assert_eq!(files(&folder), before, "{place}");
     }
     assert_eq!(fs::read_to_string(folder.join("taken.poly")).unwrap(), "old");
+    // Told before the mesh, which may take an hour, is begun.
+    let run = gsm(["mesh", "no.ron", "-o", "missing/a.msh"], &folder);
+    let said = String::from_utf8(run.stderr).unwrap();
+    assert!(run.status.code() == Some(1) && said.contains("error[cannot-write]") && said.contains("create it"), "{said}");
 }
 
 /// Nobody may write to /proc, not even the root user that tests in containers run as.

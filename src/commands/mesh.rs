@@ -65,7 +65,7 @@ struct Task {
 pub fn run(args: &MeshArgs, session: &mut Session) -> io::Result<Exit> {
     session.set_threads();
     let mut timings = session.timings(&args.path);
-    // A missing program, or a name that is no format, is told before the work.
+    // A missing program or folder, or a name that is no format, is told before the work.
     let programs = match find::find(args.tetgen.as_deref()) {
         Ok(programs) => programs,
         Err(fault) => return complain(vec![fault], args, session, Exit::Outside),
@@ -73,6 +73,9 @@ pub fn run(args: &MeshArgs, session: &mut Session) -> io::Result<Exit> {
     let unknown = args.output.iter().find_map(|path| Format::of(path).err());
     if let Some(fault) = unknown.or_else(|| session::overwriting(&args.path, &args.output)) {
         return complain(vec![fault], args, session, Exit::Usage);
+    }
+    if let Some(fault) = session::missing_folder(&args.output) {
+        return complain(vec![fault], args, session, Exit::Wrong);
     }
     let mut task = match load(args, session::overrides(&args.changes), &mut timings) {
         Ok(task) => task,

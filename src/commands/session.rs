@@ -130,6 +130,14 @@ pub fn overwriting(input: &Path, outputs: &[PathBuf]) -> Option<Diagnostic> {
     Some(Diagnostic::error("same-file", message).hint("name another file with -o"))
 }
 
+/// The fault of writing into a folder that is not there.
+pub fn missing_folder(outputs: &[PathBuf]) -> Option<Diagnostic> {
+    let folders = outputs.iter().filter_map(|output| output.parent()).filter(|folder| !folder.as_os_str().is_empty());
+    let folder = folders.into_iter().find(|folder| !folder.is_dir())?;
+    let message = format!("cannot write into {}: there is no such folder", folder.display());
+    Some(Diagnostic::error("cannot-write", message).hint("create it, or choose another place with -o"))
+}
+
 /// Writes diagnostics to standard error.
 fn complain(diagnostics: &[Diagnostic], file: &Path, unit: &str) {
     let text = source_for(diagnostics, file);
