@@ -1,24 +1,27 @@
 //! TetGen's .smesh: the triangles with their markers and one seed per connected region; names in comments.
 
-use super::mesh::{Mesh, TET_FACES, sorted};
+use super::mesh::{Mesh, NodeId, TET_FACES, sorted};
 use super::names::name_of;
 use crate::geom::Vec3;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::io::{self, Write};
 
-/// Writes the triangles; seeds are known if the mesh has tetrahedra.
+/// Writes the triangles and their nodes, not those inside of volumes; seeds are known if the mesh has tetrahedra.
 ///
 /// # Errors
 /// What the writer reports.
 pub fn write(mesh: &Mesh, out: &mut dyn Write) -> io::Result<()> {
     write_name_comments(mesh, out)?;
-    writeln!(out, "{} 3 0 0", mesh.nodes.len())?;
-    for (v, p) in mesh.nodes.enumerate() {
-        writeln!(out, "{} {:?} {:?} {:?}", v.0 + 1, p.x, p.y, p.z)?;
+    let used: BTreeSet<NodeId> = mesh.triangles.iter().flat_map(|t| t.corners).collect();
+    let numbers: BTreeMap<NodeId, usize> = used.into_iter().zip(1..).collect();
+    writeln!(out, "{} 3 0 0", numbers.len())?;
+    for (&v, number) in &numbers {
+        let p = mesh.nodes[v];
+        writeln!(out, "{number} {:?} {:?} {:?}", p.x, p.y, p.z)?;
     }
     writeln!(out, "{} 1", mesh.triangles.len())?;
     for t in &mesh.triangles {
-        let [a, b, c] = t.corners.map(|v| v.0 + 1);
+        let [a, b, c] = t.corners.map(|v| numbers[&v]);
         writeln!(out, "3 {a} {b} {c} {}", t.marker)?;
     }
     let seeds = seeds(mesh);
@@ -89,5 +92,19 @@ mod tests {
         // Without the inner triangles the regions are one volume.
         mesh.triangles.retain(|t| t.marker != 5);
         assert_eq!(seeds(&mesh).len(), 1);
+    }
+
+    /// `gsm check` finds vertices that no facet uses.
+    #[test]
+    fn nodes_inside_of_volumes_are_left_out() {
+        let text = |mesh: &Mesh| {
+            let mut out = Vec::new();
+            write(mesh, &mut out).unwrap();
+            String::from_utf8(out).unwrap()
+        };
+        let mut mesh = cube();
+        let before = text(&mesh);
+        mesh.nodes.push(Vec3::new(0.3, 0.3, 0.3));
+        assert_eq!(text(&mesh), before);
     }
 }
