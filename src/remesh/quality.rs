@@ -13,10 +13,11 @@ pub(super) const WORST: f64 = OBTUSE_BASE + MOST_OBTUSE;
 /// Cosine of the largest angle of a triangle from which it has a flaw, 88.9 degrees: what is near 90 passes it by the next
 /// move.
 const FLAWED: f64 = 0.02;
-/// Cosine of the smallest angle below which it has one, 37.3 degrees. With 39 half more tetrahedra stay above ratio 2.0 (21
-/// scenes of cylinders and spheres in Full: 583 and 383); with 36 fewer, but where a quarter of all triangles are obtuse at first
-/// (sphere_grid from n = 6 on) mends get into each other's way, and a thousand wide angles stay.
-const SMALL: f64 = 0.795;
+/// Cosine of the smallest angle below which it has one, 38 degrees. Smaller angles leave room to do away with wide ones: over 21
+/// scenes of cylinders and spheres in Full 583 tetrahedra stay above ratio 2.0 with 39 degrees, some 250 with 36. But there
+/// mends get into each other's way where a quarter of all triangles are obtuse at first (sphere_grid from n = 6 on), and a
+/// thousand wide angles stay.
+const SMALL: f64 = 0.788;
 /// The flaw of an angle just wide enough: one flaw a little larger is better than two. And that of a small angle against that
 /// of a wide one, by their cosines: TetGen splits edges for wide ones only, but users look at small ones.
 const ANY_FLAW: f64 = 0.025;
