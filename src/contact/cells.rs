@@ -6,11 +6,11 @@ use super::cuts;
 use super::outline::{Outline, passes, sides};
 use super::sheets::Sheet;
 use crate::geom::Vec3;
-use crate::geom::cdt::{Cdt, HalfEdge, Spade, Vertex, slot};
+use crate::geom::cdt::{Cdt, HalfEdge, Triangulation, Vertex, slot};
 use crate::geom::polygon;
 use crate::geom::predicates::Projection;
 use spade::handles::{FixedFaceHandle, InnerTag};
-use spade::{Intersection, LineIntersectionIterator, Triangulation};
+use spade::{Intersection, LineIntersectionIterator, Triangulation as _};
 
 /// A cell before it is known which other sheets have it too.
 #[derive(Clone, Debug, Default)]
@@ -76,8 +76,8 @@ pub(super) fn trace(sheet: &Sheet, outlines: &[Outline], body: &Body, tolerance:
     add_chords(&mut cdt, sheet.chords, &vertices, |v, [a, b]| {
         passes(&[a, b].map(|k| points[vertices[k] as usize]), &points[vertices[v] as usize], tolerance)
     });
-    let pieces = Pieces::new(&cdt.spade);
-    let labels = label(&cdt.spade, &pieces, &borders, &vertices);
+    let pieces = Pieces::new(&cdt.triangulation);
+    let labels = label(&cdt.triangulation, &pieces, &borders, &vertices);
     let mut drafts: Vec<Draft> = labels
         .into_iter()
         .map(|owners| Draft {
@@ -85,7 +85,7 @@ pub(super) fn trace(sheet: &Sheet, outlines: &[Outline], body: &Body, tolerance:
             ..Draft::default()
         })
         .collect();
-    let cdt = &cdt.spade;
+    let cdt = &cdt.triangulation;
     let name = |v: Vertex| vertices[slot(v)];
     for face in cdt.inner_faces() {
         let piece = pieces.of[face.fix().index()] as usize;
@@ -148,7 +148,7 @@ fn add_chords(cdt: &mut Cdt, chords: &[[u32; 2]], vertices: &[u32], is_on: impl 
     let mut rest: Vec<[usize; 2]> = slots.filter_map(|c| if let [Ok(a), Ok(b)] = c { Some([a, b]) } else { None }).collect();
     while let Some(ends) = rest.pop() {
         let [a, b] = ends.map(|k| cdt.handle(k));
-        let cdt = &mut cdt.spade;
+        let cdt = &mut cdt.triangulation;
         if cdt.exists_constraint(a, b) {
             continue;
         }
@@ -180,7 +180,7 @@ struct Pieces {
 }
 
 impl Pieces {
-    fn new(cdt: &Spade) -> Self {
+    fn new(cdt: &Triangulation) -> Self {
         let mut pieces = Self { of: vec![u32::MAX; cdt.num_all_faces()], count: 1 };
         pieces.of[cdt.outer_face().index()] = 0;
         // The outside continues over hull edges that belong to nobody.
@@ -197,7 +197,7 @@ impl Pieces {
         pieces
     }
     /// Numbers everything that is reached from a face without crossing a constraint; false if it has a number.
-    fn flood(&mut self, cdt: &Spade, seed: FixedFaceHandle<InnerTag>, number: u32) -> bool {
+    fn flood(&mut self, cdt: &Triangulation, seed: FixedFaceHandle<InnerTag>, number: u32) -> bool {
         if self.of[seed.index()] != u32::MAX {
             return false;
         }
@@ -223,7 +223,7 @@ impl Pieces {
     }
 
     /// Boundary walks of all pieces, each piece to the left.
-    fn loops(&self, cdt: &Spade, drafts: &mut [Draft], name: &impl Fn(Vertex) -> u32) {
+    fn loops(&self, cdt: &Triangulation, drafts: &mut [Draft], name: &impl Fn(Vertex) -> u32) {
         let mut is_done = vec![false; cdt.num_directed_edges()];
         for start in cdt.directed_edges() {
             if is_done[start.fix().index()] || !self.is_border(&start) || drafts[self.left(&start) as usize].owners.is_empty() {
@@ -243,7 +243,7 @@ impl Pieces {
     }
 
     /// Edges and points inside pieces.
-    fn inner(&self, cdt: &Spade, drafts: &mut [Draft], name: &impl Fn(Vertex) -> u32) {
+    fn inner(&self, cdt: &Triangulation, drafts: &mut [Draft], name: &impl Fn(Vertex) -> u32) {
         for e in cdt.undirected_edges().filter(|e| e.is_constraint_edge()).map(|e| e.as_directed()) {
             let draft = &mut drafts[self.left(&e) as usize];
             if !self.is_border(&e) && !draft.owners.is_empty() {
@@ -263,7 +263,7 @@ impl Pieces {
 }
 
 /// The members that cover each piece: crossing a border of a member from its right to its left enters it.
-fn label(cdt: &Spade, pieces: &Pieces, borders: &[Border], vertices: &[u32]) -> Vec<Vec<u32>> {
+fn label(cdt: &Triangulation, pieces: &Pieces, borders: &[Border], vertices: &[u32]) -> Vec<Vec<u32>> {
     let mut doors: Vec<Vec<u32>> = vec![Vec::new(); pieces.count];
     for e in cdt.directed_edges().filter(|e| pieces.is_border(e)) {
         doors[pieces.left(&e) as usize].push(e.fix().index() as u32);

@@ -5,7 +5,7 @@
 //! loading of places alone does not; constraints follow here, in order.
 
 use spade::handles::{DirectedEdgeHandle, FaceHandle, FixedVertexHandle, InnerTag, VertexHandle};
-use spade::{CdtEdge, ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
+use spade::{CdtEdge, ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation as _};
 
 /// A place and its number in the input.
 #[derive(Clone, Copy, Debug)]
@@ -21,8 +21,8 @@ impl HasPosition for Site {
     }
 }
 
-/// What spade has.
-pub(crate) type Spade = ConstrainedDelaunayTriangulation<Site>;
+/// A triangulation whose vertices know their numbers in the input.
+pub(crate) type Triangulation = ConstrainedDelaunayTriangulation<Site>;
 /// A directed edge of a triangulation.
 pub(crate) type HalfEdge<'a> = DirectedEdgeHandle<'a, Site, (), CdtEdge<()>, ()>;
 /// A triangle.
@@ -30,9 +30,9 @@ pub(crate) type Face<'a> = FaceHandle<'a, InnerTag, Site, (), CdtEdge<()>, ()>;
 /// A vertex.
 pub(crate) type Vertex<'a> = VertexHandle<'a, Site, (), CdtEdge<()>, ()>;
 
-/// A triangulation with the numbers of its places in the input.
+/// A triangulation, and its vertices by their numbers.
 pub(crate) struct Cdt {
-    pub spade: Spade,
+    pub triangulation: Triangulation,
     /// By number in the input.
     handles: Vec<FixedVertexHandle>,
 }
@@ -55,19 +55,19 @@ impl Cdt {
         {
             return Err(wrong);
         }
-        let spade = Spade::bulk_load(sites).map_err(|_| 0usize)?;
+        let triangulation = Triangulation::bulk_load(sites).map_err(|_| 0usize)?;
         let mut handles = vec![None; count];
-        spade.vertices().for_each(|v| handles[slot(v)] = Some(v.fix()));
+        triangulation.vertices().for_each(|v| handles[slot(v)] = Some(v.fix()));
         if let Some(twin) = handles.iter().position(Option::is_none) {
             return Err(twin);
         }
-        let mut cdt = Self { spade, handles: handles.into_iter().flatten().collect() };
+        let mut cdt = Self { triangulation, handles: handles.into_iter().flatten().collect() };
         // From the end with fewer edges: the search goes round it.
         let mut busy = vec![0u32; count];
         edges.iter().flatten().for_each(|&slot| busy[slot] += 1);
         for [a, b] in scattered(edges.len()).map(|k| edges[k]) {
             let [from, to] = if busy[a] <= busy[b] { [a, b] } else { [b, a] };
-            if cdt.spade.try_add_constraint(cdt.handle(from), cdt.handle(to)).len() != 1 {
+            if cdt.triangulation.try_add_constraint(cdt.handle(from), cdt.handle(to)).len() != 1 {
                 return Err(from);
             }
         }
@@ -108,7 +108,7 @@ mod tests {
         let edges: Vec<[usize; 2]> = (0..7).map(|k| [k, k + 9]).collect();
         let triangles = || -> Vec<[usize; 3]> {
             let cdt = Cdt::new(grid(8), &edges).unwrap();
-            cdt.spade.inner_faces().map(|f| f.vertices().map(slot)).collect()
+            cdt.triangulation.inner_faces().map(|f| f.vertices().map(slot)).collect()
         };
         let first = triangles();
         assert_eq!(first.len(), 2 * 49);

@@ -4,7 +4,7 @@ use super::Vec3;
 use super::cdt::{Cdt, Face, HalfEdge, slot};
 use super::hash::IndexMap;
 use super::predicates::{Projection, orient2d};
-use spade::Triangulation;
+use spade::Triangulation as _;
 
 /// Vector area of a polygon given by its loops (outer counter-clockwise about the result, holes clockwise): half the sum of
 /// the cross products, taken about the first vertex so that far-away polygons lose no digits. (Thesis 4.3: the normal of a
@@ -195,7 +195,7 @@ fn triangulate_general(
         None => Cdt::new(at, &edges).map_err(|_| PolygonError::NotSimple)?,
     };
     let inside = inside(&cdt, &boundary);
-    let faces = cdt.spade.inner_faces().filter(|f| inside[f.index()]);
+    let faces = cdt.triangulation.inner_faces().filter(|f| inside[f.index()]);
     let triangles: Vec<[u32; 3]> = faces.map(|f| f.vertices().map(|v| vertices[slot(v)])).collect();
     if triangles.is_empty() { Err(PolygonError::Flat) } else { Ok(triangles) }
 }
@@ -220,7 +220,7 @@ fn is_embedded(cdt: &Cdt, at: &[[f64; 2]]) -> bool {
     let is_left = |f: Face| turn(f.vertices().map(slot)) > 0;
     // The hull runs clockwise about the outer face.
     let is_convex = |e: HalfEdge| turn([e.from(), e.to(), e.next().to()].map(slot)) <= 0;
-    cdt.spade.inner_faces().all(is_left) && cdt.spade.convex_hull().all(is_convex)
+    cdt.triangulation.inner_faces().all(is_left) && cdt.triangulation.convex_hull().all(is_convex)
 }
 
 /// For each face whether the boundary winds round it.
@@ -232,7 +232,7 @@ fn inside(cdt: &Cdt, boundary: &[[usize; 2]]) -> Vec<bool> {
         *winding.entry((a, b)).or_insert(0) += 1;
         *winding.entry((b, a)).or_insert(0) -= 1;
     }
-    let cdt = &cdt.spade;
+    let cdt = &cdt.triangulation;
     let mut number = vec![None; cdt.num_all_faces()];
     number[cdt.outer_face().index()] = Some(0i32);
     let mut stack: Vec<_> = cdt.convex_hull().map(|e| if e.is_outer_edge() { e.rev() } else { e }).collect();

@@ -7,7 +7,7 @@ use crate::geom::polygon::{PolygonError, triangulate, vector_area};
 use crate::geom::predicates::{Projection, orient2d};
 use crate::geom::union_find::UnionFind;
 use spade::handles::{FixedFaceHandle, PossiblyOuterTag};
-use spade::{PositionInTriangulation, Triangulation};
+use spade::{PositionInTriangulation, Triangulation as _};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A facet as TetGen understands it.
@@ -128,7 +128,7 @@ fn enclosed(facet: &PlcFacet, points: &[Vec3], projection: Projection) -> Result
     let listed: BTreeSet<[u32; 2]> = facet.polygons.iter().flat_map(|w| segments_of(w)).collect();
     let segments: Vec<[usize; 2]> = listed.into_iter().map(|s| s.map(number)).collect();
     let places = vertices.iter().map(|&v| flat(&points[v as usize]));
-    let Cdt { spade: cdt, .. } = Cdt::new(places, &segments).map_err(|_| PolygonError::NotSimple)?;
+    let cdt = Cdt::new(places, &segments).map_err(|_| PolygonError::NotSimple)?.triangulation;
     let mut area = Area::default();
     let mut is_gone = vec![false; cdt.num_all_faces()];
     carve(&cdt, &mut is_gone, vec![cdt.outer_face().fix()]);
@@ -158,7 +158,7 @@ fn enclosed(facet: &PlcFacet, points: &[Vec3], projection: Projection) -> Result
 }
 
 /// Marks what is reached from these faces without crossing a segment.
-fn carve(cdt: &cdt::Spade, is_gone: &mut [bool], mut stack: Vec<FixedFaceHandle<PossiblyOuterTag>>) {
+fn carve(cdt: &cdt::Triangulation, is_gone: &mut [bool], mut stack: Vec<FixedFaceHandle<PossiblyOuterTag>>) {
     while let Some(f) = stack.pop() {
         if std::mem::replace(&mut is_gone[f.index()], true) {
             continue;

@@ -186,23 +186,23 @@ fn marker(mesh: &Mesh, triangle: u32) -> u32 {
     mesh.triangles[triangle as usize].marker
 }
 
-/// The smallest angle, in degrees, between two of the triangles at an edge; 180 for a lone one.
+/// The smallest angle, in degrees, between two of the triangles at an edge; 180 for a lone one. O(n log n).
 fn smallest_angle(mesh: &Mesh, [a, b]: [NodeId; 2], run: &[([NodeId; 2], u32)]) -> f64 {
     let (from, along) = (mesh.nodes[a], (mesh.nodes[b] - mesh.nodes[a]).normalize());
     let out = |triangle: u32| -> Vec3 {
         let corners = mesh.triangles[triangle as usize].corners;
-        let apex = corners.into_iter().find(|&v| v != a && v != b).map_or(from, |v| mesh.nodes[v]);
-        let way = apex - from;
-        way - along * along.dot(&way)
+        corners.into_iter().find(|&v| v != a && v != b).map_or(from, |v| mesh.nodes[v]) - from
     };
-    let ways: Vec<Vec3> = run.iter().map(|r| out(r.1)).collect();
-    let mut least = 180.0f64;
-    for (k, u) in ways.iter().enumerate() {
-        for v in &ways[..k] {
-            least = least.min(libm::atan2(u.cross(v).norm(), u.dot(v)).to_degrees());
-        }
-    }
-    least
+    // Angles about the edge, from the first triangle on.
+    let ahead = run.first().map_or(Vec3::zeros(), |r| out(r.1));
+    let ahead = ahead - along * along.dot(&ahead);
+    let left = along.cross(&ahead);
+    let turn = |way: Vec3| libm::atan2(left.dot(&way), ahead.dot(&way)).to_degrees();
+    let mut turns: Vec<f64> = run.iter().map(|r| turn(out(r.1))).collect();
+    turns.sort_by(f64::total_cmp);
+    let round = turns.first().map(|first| first + 360.0);
+    let next = turns.iter().skip(1).copied().chain(round);
+    turns.iter().zip(next).map(|(one, next)| next - one).fold(180.0, f64::min)
 }
 
 #[cfg(test)]
@@ -210,11 +210,16 @@ mod tests {
     use super::*;
     use crate::io::mesh::Triangle;
 
+    fn surface(points: &[[f64; 3]], faces: &[[u32; 3]]) -> Mesh {
+        let triangle = |corners: &[u32; 3]| Triangle { corners: corners.map(NodeId), marker: 1, sides: [0, 1] };
+        let nodes = points.iter().map(|p| Vec3::from(*p)).collect();
+        Mesh { nodes, triangles: faces.iter().map(triangle).collect(), ..Mesh::default() }
+    }
+
     /// A tetrahedron on the first four of these points, in region 1, and a surface of triangles.
     fn tet(points: &[[f64; 3]], faces: &[[u32; 3]]) -> Mesh {
-        let mut mesh = Mesh { nodes: points.iter().map(|p| Vec3::from(*p)).collect(), ..Mesh::default() };
+        let mut mesh = surface(points, faces);
         mesh.tets.push(Tet { corners: [0, 1, 2, 3].map(NodeId), region: 1 });
-        mesh.triangles = faces.iter().map(|f| Triangle { corners: f.map(NodeId), marker: 1, sides: [0, 1] }).collect();
         mesh.regions.insert(1, "iron".into());
         mesh
     }
@@ -250,6 +255,27 @@ mod tests {
         let mut leaning = SPLINTER;
         leaning[3] = [0.0, 1.7, 1.0];
         assert_eq!(forced(&leaning, &[[0, 1, 2], [0, 1, 3]]), Some(Forced::SharpEdge));
+    }
+
+    #[test]
+    fn angles_about_an_edge() {
+        let least = |turns: &[f64]| {
+            let apex = |turn: &f64| [0.7, 2.0 * libm::cos(turn.to_radians()), 2.0 * libm::sin(turn.to_radians())];
+            let points: Vec<[f64; 3]> = [[0.0; 3], [1.0, 0.0, 0.0]].into_iter().chain(turns.iter().map(apex)).collect();
+            let faces: Vec<[u32; 3]> = (0..turns.len() as u32).map(|k| [0, 2 + k, 1]).collect();
+            let ends = [NodeId(0), NodeId(1)];
+            let run: Vec<_> = (0..turns.len() as u32).map(|k| (ends, k)).collect();
+            smallest_angle(&surface(&points, &faces), ends, &run)
+        };
+        for (turns, expected) in [
+            (&[40.0][..], 180.0),
+            (&[10.0, 190.0], 180.0),
+            (&[10.0, 200.0], 170.0),
+            (&[250.0, 10.0, 355.0, 130.0], 15.0),
+            (&[0.0, 100.0, 103.0, 240.0], 3.0),
+        ] {
+            assert!((least(turns) - expected).abs() < 1e-9, "{turns:?}: {}", least(turns));
+        }
     }
 
     #[test]
