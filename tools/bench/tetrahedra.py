@@ -56,10 +56,11 @@ def reordered(file, order):
     return "\n".join(lines) + "\n"
 
 
-def count(folder, text):
+def count(folder, text, limit=None):
+    """The number of tetrahedra that TetGen makes of a .poly, in so many seconds at most."""
     with open(os.path.join(folder, "order.poly"), "w") as out:
         out.write(text)
-    subprocess.run(["tetgen", "-pq2.0AQ", "order.poly"], cwd=folder, check=True, capture_output=True)
+    subprocess.run(["tetgen", "-pq2.0AQ", "order.poly"], cwd=folder, check=True, capture_output=True, timeout=limit)
     with open(os.path.join(folder, "order.1.ele")) as file:
         return int(file.readline().split()[0])
 

@@ -11,6 +11,10 @@ import struct
 import zlib
 import numpy as np
 
+# Azimuth and elevation in degrees, and pixels.
+VIEW = (-50.0, 28.0)
+SIZE = 900
+
 
 def read_poly(path):
     """Vertices and facets; a facet is (list of loops, marker)."""
@@ -128,9 +132,9 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("out")
     parser.add_argument("files", nargs="+")
-    parser.add_argument("--view", nargs=2, type=float, default=(-50.0, 28.0))
+    parser.add_argument("--view", nargs=2, type=float, default=VIEW)
     parser.add_argument("--skip", nargs="*", type=int, default=[], help="markers to leave out (the air box)")
-    parser.add_argument("--size", type=int, default=900)
+    parser.add_argument("--size", type=int, default=SIZE)
     a = parser.parse_args()
     write_png(a.out, np.concatenate([draw(f, a.view, set(a.skip), a.size) for f in a.files], axis=1))
 
