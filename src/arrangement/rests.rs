@@ -8,6 +8,7 @@ use super::broad_phase::PARALLEL_FROM;
 use super::graph::Mesh;
 use crate::geom::aabb::Aabb;
 use crate::geom::hash::IndexMap;
+use crate::geom::parallel::both;
 
 const NONE: u32 = u32::MAX;
 
@@ -99,14 +100,9 @@ impl Level {
             }
             across
         };
-        let across = match triangles.len() < PARALLEL_FROM {
-            true => [0, 1, 2].map(across),
-            false => {
-                let (x, (y, z)) = rayon::join(|| across(0), || rayon::join(|| across(1), || across(2)));
-                [x, y, z]
-            }
-        };
-        Self { axes, across }
+        let is_much = triangles.len() >= PARALLEL_FROM;
+        let (x, (y, z)) = both(is_much, || across(0), || both(is_much, || across(1), || across(2)));
+        Self { axes, across: [x, y, z] }
     }
 
     /// A sheet in the plane across an axis that has a point.

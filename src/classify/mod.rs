@@ -20,9 +20,10 @@ pub use edges::EdgeUses;
 
 use crate::arrangement::Arrangement;
 use crate::diag::Diagnostic;
+use crate::geom::parallel::both;
 use raycast::Rays;
 
-/// Sub-cells below which all stays on one thread: waking another one takes as long as the work.
+/// Sub-cells from which on more than one thread works.
 const PARALLEL_FROM: usize = 4096;
 
 /// Labels of both sides of every sub-cell.
@@ -77,10 +78,7 @@ pub fn classify(arrangement: &Arrangement) -> Result<Classified, Diagnostic> {
         let (shells, count) = edges.shells(&arrangement.cells);
         Ok((edges, shells, count))
     };
-    let (edges, rays) = match arrangement.cells.len() < PARALLEL_FROM {
-        true => (around_edges(), Rays::new(arrangement)),
-        false => rayon::join(around_edges, || Rays::new(arrangement)),
-    };
+    let (edges, rays) = both(arrangement.cells.len() >= PARALLEL_FROM, around_edges, || Rays::new(arrangement));
     let (edges, shells, count) = edges?;
     let (label_of_shell, labels) = labels::spread(arrangement, &rays, &shells, count)?;
     Ok(Classified { shells, label_of_shell, labels, edges })

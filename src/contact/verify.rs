@@ -6,6 +6,7 @@ use super::conforming::Conforming;
 use super::weld::MAX_MESSAGES;
 use crate::diag::{Diagnostic, Outcome, short};
 use crate::geom::Vec3;
+use crate::geom::parallel::both;
 use crate::geom::polygon::vector_area;
 use crate::ids::LeafId;
 use crate::primitive::solid::Solid;
@@ -18,10 +19,7 @@ const VOLUME_ERROR: f64 = 64.0 * f64::EPSILON;
 pub(super) fn verify(body: &Body, conforming: &Conforming, names: Names) -> Outcome<()> {
     let origins: Vec<Vec3> = body.solids.iter().map(|s| s.vertices.first().map_or(Vec3::zeros(), |v| v.point)).collect();
     let measure = || body.solids.par_iter().zip(&origins).map(|(solid, origin)| Before::of(solid, origin)).collect::<Vec<_>>();
-    let ((after, open), before) = match body.facet_count() < PARALLEL_FROM {
-        true => (sums(conforming, &origins), measure()),
-        false => rayon::join(|| sums(conforming, &origins), measure),
-    };
+    let ((after, open), before) = both(body.facet_count() >= PARALLEL_FROM, || sums(conforming, &origins), measure);
     let widest = body.tolerances.iter().fold(0.0, |m: f64, &t| m.max(t));
     let mut errors = Vec::new();
     for (leaf, Before { volume, area, size }) in before.into_iter().enumerate() {

@@ -8,6 +8,7 @@ pub mod dd;
 pub mod embedding;
 pub mod hash;
 pub mod lists;
+pub mod parallel;
 pub mod plane;
 pub mod polygon;
 pub mod predicates;

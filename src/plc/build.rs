@@ -5,10 +5,11 @@ use super::{Plc, PlcFacet, Seed, facet};
 use crate::brep::complex::{Complex, ComplexFacet};
 use crate::diag::{Diagnostic, Outcome};
 use crate::geom::Vec3;
+use crate::geom::parallel::both;
 use crate::ids::{Id, IdVec, PartId, VertexId};
 use crate::scene::model::Part;
 
-/// Facets below which all stays on one thread: waking another one takes as long as the work.
+/// Facets from which on more than one thread works.
 const PARALLEL_FROM: usize = 4096;
 
 /// The PLC of an evaluated model. Vertices and facets keep their order; marker numbers are marker ids from 1, region numbers
@@ -22,10 +23,7 @@ pub fn build(complex: &Complex, parts: &IdVec<PartId, Part>) -> Outcome<Plc> {
         let (triangles, sides) = triangles_of(complex);
         seeds::find(complex, &Sides { points: &vertices, triangles: &triangles, sides: &sides })
     };
-    let (facets, points) = match complex.facets.len() < PARALLEL_FROM {
-        true => (facets_of(complex, &vertices), find_seeds()),
-        false => rayon::join(|| facets_of(complex, &vertices), find_seeds),
-    };
+    let (facets, points) = both(complex.facets.len() >= PARALLEL_FROM, || facets_of(complex, &vertices), find_seeds);
     let (facets, points) = (facets?, points?);
     let mut plc = Plc { vertices, facets, ..Plc::default() };
     for (region, &point) in complex.regions.iter().zip(&points) {
