@@ -1,7 +1,7 @@
 //! Cells of all sheets and untouched facets to one list.
 
 use super::body::{Body, Names};
-use super::candidates::PARALLEL_FROM;
+use super::candidates::{PARALLEL_FROM, SHARES};
 use super::cells::{self, Draft, Tangled};
 use super::conforming::{Cell, Conforming, Owner};
 use super::drafts::Drafts;
@@ -10,9 +10,6 @@ use super::weld::MAX_MESSAGES;
 use crate::cull::Fate;
 use crate::diag::{Diagnostic, Outcome, Tally};
 use rayon::prelude::*;
-
-/// Pieces of the work that threads share.
-const SHARES: usize = 64;
 
 /// All cells in the order of their first facets.
 pub(super) fn assemble(body: &Body, sheets: Sheets, tolerance: f64, names: Names) -> Outcome<Conforming> {

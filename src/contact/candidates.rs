@@ -16,6 +16,8 @@ use std::ops::ControlFlow;
 
 /// Facets below which everything stays on one thread: starting others costs more than a hundred microseconds.
 pub(super) const PARALLEL_FROM: usize = 2000;
+/// Pieces of the work that threads share, about.
+pub(super) const SHARES: usize = 64;
 
 /// Facets as they came, of those that come near the box of another leaf.
 #[derive(Clone, Debug, Default)]
@@ -107,7 +109,7 @@ impl FacetTrees {
         let mut pairs = Vec::new();
         if body.facet_count() >= PARALLEL_FROM {
             let lists: Vec<Vec<u64>> = leaf_pairs
-                .par_chunks(leaf_pairs.len().div_ceil(64).max(1))
+                .par_chunks(leaf_pairs.len().div_ceil(SHARES).max(1))
                 .map(|chunk| {
                     let mut found = Vec::new();
                     chunk.iter().for_each(|p| search(&mut found, p));

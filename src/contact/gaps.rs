@@ -1,7 +1,7 @@
 //! Leaves that come near each other without touching: most likely they were meant to touch.
 
 use super::body::Body;
-use super::candidates::{FacetTrees, PARALLEL_FROM};
+use super::candidates::{FacetTrees, PARALLEL_FROM, SHARES};
 use super::conforming::Conforming;
 use super::outline::{Outline, sides};
 use crate::geom::Vec3;
@@ -50,7 +50,7 @@ pub fn nearly_touching(solids: &[Solid], conforming: &Conforming) -> Vec<Gap> {
         return search(&pairs);
     }
     // In the order of pairs, so that those of one leaf mostly share its outlines.
-    pairs.par_chunks(pairs.len().div_ceil(64)).flat_map_iter(search).collect()
+    pairs.par_chunks(pairs.len().div_ceil(SHARES)).flat_map_iter(search).collect()
 }
 
 /// The gap between two leaves, unless it is wider than `reach` or they cross. `outlines` of facets are made when needed.

@@ -42,6 +42,9 @@ const PAIRS_PER_TRIANGLE: usize = 200;
 /// Triangles at a vertex from which on it is their hub: they hardly meet elsewhere.
 const FAN: u32 = 128;
 
+/// Triangles that one thread takes at once: each takes a few memory accesses.
+const SHARE: usize = 1024;
+
 /// Triangles from which on [`terrain`] gains time.
 const MANY: usize = 500;
 
@@ -87,7 +90,7 @@ pub struct Violation {
 /// pairs of edges of terrains' rims whose boxes overlap).
 pub fn violations(points: &[Vec3], triangles: &[[u32; 3]], limit: usize) -> Vec<Violation> {
     let projection = |t: &[u32; 3]| projection_of(t.map(|v| points[v as usize]));
-    let projections = || triangles.par_iter().with_min_len(1024).map(projection).collect::<Vec<_>>();
+    let projections = || triangles.par_iter().with_min_len(SHARE).map(projection).collect::<Vec<_>>();
     let beside = || if triangles.len() < MANY { Vec::new() } else { twins(points.len(), triangles) };
     let (projections, twins) = rayon::join(projections, beside);
     let mut found: Vec<Violation> = (0..triangles.len() as u32)
@@ -117,13 +120,13 @@ impl Live {
             let k = t as usize;
             Face { number: t, corners: triangles[k], projection: projections[k], terrain: of[k] }
         };
-        Self(live.par_iter().with_min_len(1024).map(face).collect())
+        Self(live.par_iter().with_min_len(SHARE).map(face).collect())
     }
 
     /// What is wrong between pairs whose boxes overlap; `None` if these are too many.
     fn meeting_by_boxes(&self, points: &[Vec3], limit: usize) -> Option<Vec<Violation>> {
         let around = |face: &Face| Aabb::around(face.corners.iter().map(|&v| &points[v as usize]));
-        let mut tree = Bvh::new(self.0.par_iter().with_min_len(1024).map(around).collect());
+        let mut tree = Bvh::new(self.0.par_iter().with_min_len(SHARE).map(around).collect());
         let faces = self.in_order(&tree.renumber());
         let most = PAIRS_PER_TRIANGLE * (faces.len() / TASKS + 1);
         let search = |task| {
@@ -163,12 +166,12 @@ impl Live {
             let corners = from_hub(face.corners, points, &degree);
             Thing { corners: corners.map(|v| points[v as usize]), hub: corners[0], terrain: face.terrain }
         };
-        Hulls::new(&self.0.par_iter().with_min_len(1024).map(thing).collect::<Vec<_>>())
+        Hulls::new(&self.0.par_iter().with_min_len(SHARE).map(thing).collect::<Vec<_>>())
     }
 
     /// The faces in the order of a tree: pairs then lie side by side in memory.
     fn in_order(&self, order: &[u32]) -> Vec<Face> {
-        order.par_iter().with_min_len(1024).map(|&k| self.0[k as usize]).collect()
+        order.par_iter().with_min_len(SHARE).map(|&k| self.0[k as usize]).collect()
     }
 }
 
