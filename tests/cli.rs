@@ -130,10 +130,12 @@ fn places_that_cannot_be_written_exit_1_and_change_nothing() {
         assert_eq!(files(&folder), before, "{place}");
     }
     assert_eq!(fs::read_to_string(folder.join("taken.poly")).unwrap(), "old");
-    // Told before the mesh, which may take an hour, is begun.
-    let run = gsm(["mesh", "no.ron", "-o", "missing/a.msh"], &folder);
-    let said = String::from_utf8(run.stderr).unwrap();
-    assert!(run.status.code() == Some(1) && said.contains("error[cannot-write]") && said.contains("create it"), "{said}");
+    // Told before the work, which may take an hour, is begun.
+    for (command, place) in [("build", "missing/a.poly"), ("mesh", "missing/a.msh")] {
+        let run = gsm([command, "no.ron", "-o", place], &folder);
+        let said = String::from_utf8(run.stderr).unwrap();
+        assert!(run.status.code() == Some(1) && said.contains("error[cannot-write]") && said.contains("create it"), "{said}");
+    }
 }
 
 /// Nobody may write to /proc, not even the root user that tests in containers run as.

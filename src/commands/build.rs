@@ -19,6 +19,10 @@ pub fn run(args: &BuildArgs, session: &mut Session) -> io::Result<Exit> {
     if let Some(fault) = args.output.as_ref().and_then(|path| misplaced(args, path)) {
         return complain(vec![fault], args, session, "").map(|_| Exit::Usage);
     }
+    // Told before the work, as in `gsm mesh`.
+    if let Some(fault) = session::missing_folder(args.output.as_slice()) {
+        return complain(vec![fault], args, session, "");
+    }
     let timings = session.timings(&args.scene);
     let mut model = match pipeline::run(&args.scene, session::overrides(&args.changes), timings) {
         Ok(model) => model,
