@@ -62,7 +62,7 @@ fn write_all(out: &mut String, r: &Report) -> fmt::Result {
                 q.mean_distortion
             )?;
         }
-        None => writeln!(out, "\nno triangular facets")?,
+        None => writeln!(out, "\nno triangular facets: all are polygons, which TetGen divides")?,
     }
     if let Some(sharpest) = r.sharp_angles.first() {
         let forced = r.sharp_angles.iter().filter(|s| s.is_forced).count();
