@@ -235,6 +235,7 @@ impl Workpiece {
             shares,
             choice,
             obtuse: 0.0,
+            small: 1.0,
             measures: Vec::new(),
             history: History::default(),
         })

@@ -13,11 +13,6 @@ pub(super) const WORST: f64 = OBTUSE_BASE + MOST_OBTUSE;
 /// Cosine of the largest angle of a triangle from which it has a flaw, 88.9 degrees: what is near 90 passes it by the next
 /// move.
 const FLAWED: f64 = 0.02;
-/// Cosine of the smallest angle below which it has one, 38 degrees. Smaller angles leave room to do away with wide ones: over 21
-/// scenes of cylinders and spheres in Full 583 tetrahedra stay above ratio 2.0 with 39 degrees, some 250 with 36. But there
-/// mends get into each other's way where a quarter of all triangles are obtuse at first (sphere_grid from n = 6 on), and a
-/// thousand wide angles stay.
-const SMALL: f64 = 0.788;
 /// The flaw of an angle just wide enough: one flaw a little larger is better than two. And that of a small angle against that
 /// of a wide one, by their cosines: TetGen splits edges for wide ones only, but users look at small ones.
 const ANY_FLAW: f64 = 0.025;
@@ -56,10 +51,10 @@ pub fn of_flawed(obtuse: f64) -> f64 {
     OBTUSE_BASE - obtuse * FLAWED
 }
 
-/// How far a triangle is from having no obtuse and no small angle; 0 if it has neither.
-pub fn flaw(corners: [&Vec3; 3]) -> f64 {
+/// How far a triangle is from having no obtuse angle and none smaller than one whose cosine is given; 0 if it has neither.
+pub fn flaw(corners: [&Vec3; 3], small: f64) -> f64 {
     let [smallest, widest] = extreme_cosines(corners);
-    wide_flaw(widest) + SMALL_WEIGHT * (smallest - SMALL).max(0.0)
+    wide_flaw(widest) + SMALL_WEIGHT * (smallest - small).max(0.0)
 }
 
 /// The squares of the flaws of a triangle, from angles on that are less wide and less small, and without a step: vertices that
@@ -90,9 +85,9 @@ fn extreme_cosines(corners: [&Vec3; 3]) -> [f64; 2] {
     [(middle + long - short) * 0.5 / (middle * long).sqrt(), (short + middle - long) * 0.5 / (short * middle).sqrt()]
 }
 
-/// Whether an angle of a triangle is so small that it is a flaw.
-pub fn is_small(corners: [&Vec3; 3]) -> bool {
-    extreme_cosines(corners)[0] > SMALL
+/// Whether an angle of a triangle is smaller than one whose cosine is given.
+pub fn is_small(corners: [&Vec3; 3], small: f64) -> bool {
+    extreme_cosines(corners)[0] > small
 }
 
 /// Whether an angle of a triangle is obtuse.

@@ -57,8 +57,9 @@ const THIN_LONGEST: f64 = 1.5;
 /// tenth more tetrahedra are needed.
 const OBTUSE: [f64; 2] = [MOST_OBTUSE, 0.25];
 
-/// How often at most, when all else is done, edges and triangles are cleared of vertices in their spheres.
-const LAST_ROUNDS: usize = 4;
+/// How often at most, when all else is done, edges and triangles are cleared of vertices in their spheres, and below how many
+/// degrees an angle may not get for it.
+const LAST_ROUNDS: [f64; 4] = [37.0, 36.0, 35.0, 34.0];
 
 /// How many of those may be left for another round, as a share of those before, or in all: where surfaces nearly touch, moves
 /// help one at the cost of the next.
@@ -139,7 +140,8 @@ impl Workpiece {
         let mut failed = HashMap::new();
         let mut around = self.active_vertices();
         let mut most = f64::INFINITY;
-        for _ in 0..LAST_ROUNDS {
+        for degrees in LAST_ROUNDS {
+            self.small = cosine_of_degrees(degrees);
             let sights = self.sights_around(&around);
             if sights.len() as f64 > most {
                 break;

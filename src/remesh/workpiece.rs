@@ -111,6 +111,8 @@ pub(super) struct Workpiece {
     pub extent: f64,
     /// How much obtuse triangles count as sharp ones.
     pub obtuse: f64,
+    /// Cosine of the angle below which one is a flaw in trials.
+    pub small: f64,
     /// By facet: its measure if it has been taken since the facet last changed.
     pub measures: Vec<Cell<Option<Measure>>>,
     /// By surface: share of the bound that it may use; less where facets came too near to others.
