@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 pub fn run(args: &BuildArgs, session: &mut Session) -> io::Result<Exit> {
     session.set_threads();
     if let Some(fault) = args.output.as_ref().and_then(|path| misplaced(args, path)) {
-        return complain(vec![fault], args, session, "").map(|_| Exit::Usage);
+        return complain(vec![fault], args, session, "");
     }
     let timings = session.timings(&args.scene);
     let mut model = match pipeline::run(&args.scene, session::overrides(&args.changes), timings) {
@@ -31,7 +31,7 @@ pub fn run(args: &BuildArgs, session: &mut Session) -> io::Result<Exit> {
     }
     let report = Report::new(&model, Some(path.display().to_string()));
     if session.common.json {
-        session.json(&report)?;
+        session.json(&args.scene, &model.warnings, &report)?;
     } else {
         session.complain(&model.warnings, &args.scene, &model.scene.unit);
         if !session.common.quiet {
@@ -48,7 +48,7 @@ fn misplaced(args: &BuildArgs, path: &Path) -> Option<Diagnostic> {
     if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("poly")) {
         let message = format!("{}: a build is written as .poly", path.display());
         let hint = "write -o NAME.poly; `gsm mesh` and `gsm convert` write other formats";
-        return Some(Diagnostic::error("unknown-format", message).hint(hint));
+        return Some(Diagnostic::usage("unknown-format", message).hint(hint));
     }
     session::overwriting(&args.scene, &[path.to_path_buf()])
 }
