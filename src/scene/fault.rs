@@ -155,21 +155,21 @@ fn distance(a: &str, b: &str) -> usize {
     // Only names are compared; longer texts are not near anything.
     let lower = |s: &str| s.chars().take(40).flat_map(char::to_lowercase).collect::<Vec<_>>();
     let (a, b) = (lower(a), lower(b));
-    // Row i: the first i letters of `a` against each beginning of `b`.
-    let mut rows: Vec<Vec<usize>> = vec![(0..=b.len()).collect()];
-    for i in 0..a.len() {
-        let mut row = vec![i + 1];
-        for j in 0..b.len() {
-            let replaced = rows[i][j] + usize::from(a[i] != b[j]);
-            let mut least = replaced.min(rows[i][j + 1] + 1).min(row[j] + 1);
-            if i > 0 && j > 0 && a[i] == b[j - 1] && a[i - 1] == b[j] {
-                least = least.min(rows[i - 1][j - 1] + 1);
+    // Row i: the first i letters of `a` against each beginning of `b`; the two rows before are needed.
+    let (mut before, mut last, mut row) = (Vec::new(), Vec::new(), (0..=b.len()).collect::<Vec<usize>>());
+    for (i, &ca) in a.iter().enumerate() {
+        (before, last, row) = (last, row, before);
+        row.clear();
+        row.push(i + 1);
+        for (j, &cb) in b.iter().enumerate() {
+            let mut least = (last[j] + usize::from(ca != cb)).min(last[j + 1] + 1).min(row[j] + 1);
+            if i > 0 && j > 0 && ca == b[j - 1] && a[i - 1] == cb {
+                least = least.min(before[j - 1] + 1);
             }
             row.push(least);
         }
-        rows.push(row);
     }
-    rows[a.len()][b.len()]
+    row[b.len()]
 }
 
 #[cfg(test)]
