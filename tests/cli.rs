@@ -401,6 +401,9 @@ fn conversions_keep_names_and_region_points() {
     good(&["check", "b.smesh"]);
     let lists = |name: &str| read(name).split_once("# voids").unwrap().1.to_owned();
     assert_eq!(lists("b.smesh"), lists("a.poly"));
+    // So does the surface of a mesh.
+    good(&["mesh", "a.ron", "-o", "h.smesh"]);
+    good(&["check", "h.smesh"]);
     // From format to format the names of the markers stay.
     for [from, to] in [["a.poly", "c.obj"], ["c.obj", "d.stl"], ["d.stl", "e.off"], ["e.off", "f.obj"], ["f.obj", "g.msh"]] {
         good(&["convert", from, to]);

@@ -30,7 +30,7 @@ pub struct Mesh {
     pub tets: Vec<Tet>,
     /// A point inside of each volume of a surface, if they are known.
     pub seeds: Vec<Seed>,
-    /// A point inside of each cavity of a surface, likewise.
+    /// A point inside of each cavity, if they are known.
     pub holes: Vec<Vec3>,
     /// Names of regions.
     pub regions: BTreeMap<RegionNumber, String>,
