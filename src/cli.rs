@@ -1,18 +1,38 @@
 //! The command line: definitions only.
 
-use clap::{Args, Parser, Subcommand};
+use clap::error::ErrorKind;
+use clap::{Args, CommandFactory, Parser, Subcommand};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 /// Solid modeler for electromagnetic finite elements: from a scene of parts to one valid piecewise linear complex.
 #[derive(Parser, Debug)]
 #[command(name = "gsm", version, arg_required_else_help = true)]
-#[command(after_help = "Exit codes: 0 good, 1 the model is wrong, 2 usage, 3 a quality threshold missed, \
+#[command(after_help = "Exit codes: 0 good, 1 the model or a file is wrong, 2 usage, 3 a quality threshold missed, \
                         4 an outside program failed, 70 internal error.")]
 pub struct Cli {
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
+}
+
+impl Cli {
+    /// The arguments, if none contradicts another.
+    ///
+    /// # Errors
+    /// A parameter that is set twice: which value is meant, nobody knows.
+    pub fn checked(self) -> Result<Self, clap::Error> {
+        let set = match &self.command {
+            Command::Build(args) => &args.changes.set,
+            Command::Check(args) => &args.changes.set,
+            Command::Mesh(args) => &args.changes.set,
+            Command::Convert(_) | Command::New(_) => return Ok(self),
+        };
+        let repeated = set.iter().enumerate().find_map(|(k, b)| set[..k].iter().find(|a| a.0 == b.0).map(|a| (a, b)));
+        let Some(((name, first), (_, second))) = repeated else { return Ok(self) };
+        let message = format!("the parameter '{name}' is set twice: --set {name}={first} and --set {name}={second}");
+        Err(Self::command().error(ErrorKind::ArgumentConflict, message + "\n\n  tip: leave out one of them"))
+    }
 }
 
 /// The commands.
@@ -253,7 +273,6 @@ fn angle(text: &str) -> Result<f64, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     #[test]
     fn definitions_are_consistent_and_assignments_are_split() {

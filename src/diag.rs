@@ -6,6 +6,8 @@
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::{self, Display};
+use std::io::ErrorKind;
+use std::path::Path;
 
 /// A text in which no carriage return stands alone: as the only line ends (old Macs, some spreadsheets) they become line feeds,
 /// which places in messages, comments and readers go by. As long as before.
@@ -26,6 +28,9 @@ pub(crate) fn with_line_feeds(text: String) -> String {
 pub enum Severity {
     /// The result is written all the same.
     Warning,
+    /// The arguments are wrong, whatever the files hold; nothing is written; exit code 2. An error to those who read it.
+    #[serde(rename = "error")]
+    Usage,
     /// Nothing is written; exit code 1.
     Error,
     /// A broken invariant of gsm itself; nothing is written; exit code 70.
@@ -63,6 +68,10 @@ impl Diagnostic {
     pub fn error(code: &'static str, message: impl Into<String>) -> Self {
         Self::with_severity(Severity::Error, code, message)
     }
+    /// A fault of the command line's arguments.
+    pub fn usage(code: &'static str, message: impl Into<String>) -> Self {
+        Self::with_severity(Severity::Usage, code, message)
+    }
     /// A warning without place.
     pub fn warning(code: &'static str, message: impl Into<String>) -> Self {
         Self::with_severity(Severity::Warning, code, message)
@@ -70,6 +79,22 @@ impl Diagnostic {
     /// A broken invariant of gsm itself.
     pub fn internal(code: &'static str, message: impl Into<String>) -> Self {
         Self::with_severity(Severity::Internal, code, message)
+    }
+    /// The fault of a file that cannot be read: which, why, and what to do if that is known.
+    pub fn unreadable(code: &'static str, path: &Path, error: &std::io::Error) -> Self {
+        let here = || std::env::current_dir().ok().filter(|_| path.is_relative());
+        let (why, hint) = match error.kind() {
+            _ if path.is_dir() => ("it is a folder".to_owned(), Some("name a file in it".to_owned())),
+            ErrorKind::NotFound => (
+                "there is no such file".to_owned(),
+                here().map(|folder| format!("it was looked for from the current folder, {}", folder.display())),
+            ),
+            ErrorKind::PermissionDenied => ("permission denied".to_owned(), Some("check who may read it".to_owned())),
+            ErrorKind::InvalidData => ("it is no UTF-8 text".to_owned(), None),
+            _ => (error.to_string(), None),
+        };
+        let fault = Self::error(code, format!("cannot read {}: {why}", path.display()));
+        Self { hints: hint.into_iter().collect(), ..fault }
     }
     fn with_severity(severity: Severity, code: &'static str, message: impl Into<String>) -> Self {
         Self { code, severity, message: message.into(), span: None, points: Vec::new(), hints: Vec::new() }

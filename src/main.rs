@@ -2,8 +2,8 @@
 
 use clap::Parser;
 use gsm::cli::{Cli, Command};
-use gsm::commands::session::{Exit, Session};
-use gsm::commands::{build, check, convert, mesh, new};
+use gsm::commands::session::{self, Exit, Session};
+use gsm::commands::{build, check, convert, mesh, new, usage};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::panic::{self, AssertUnwindSafe};
 use std::process::ExitCode;
@@ -12,11 +12,11 @@ use std::process::ExitCode;
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
+    let cli = match Cli::try_parse().and_then(Cli::checked) {
         Ok(cli) => cli,
-        // Help and version are no errors and go to standard output; where that is closed, nobody wants them.
         Err(e) => {
-            drop(e.print());
+            // Where the output is closed, nobody wants to know.
+            drop(refuse(&e));
             return ExitCode::from(u8::try_from(e.exit_code()).unwrap_or(Exit::Usage as u8));
         }
     };
@@ -32,6 +32,15 @@ fn main() -> ExitCode {
         Err(_) => Exit::Internal,
     };
     ExitCode::from(exit as u8)
+}
+
+/// Tells what is wrong with the arguments: as JSON if that was asked for. Help and version are no errors, and text.
+fn refuse(error: &clap::Error) -> io::Result<()> {
+    let is_json = std::env::args_os().take_while(|a| a != "--").any(|a| a == "--json");
+    if !(is_json && error.use_stderr()) {
+        return error.print();
+    }
+    session::json(&mut io::stdout().lock(), None, &[usage::fault(error)], &serde_json::Map::new())
 }
 
 fn run(cli: &Cli) -> io::Result<Exit> {

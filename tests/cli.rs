@@ -84,7 +84,9 @@ fn wrong_models_exit_1_say_where_and_write_nothing() {
 #[test]
 fn wrong_arguments_exit_2() {
     let folder = folder("cli-usage");
-    let cases: [&[&str]; 7] = [
+    let cases: [&[&str]; 9] = [
+        &["build", "a.ron", "--set", "r=2", "--set", "r=3"],
+        &["mesh", "a.ron", "--set", "r=2", "--set", "h=1", "--set", " r = 2"],
         &[],
         &["bild"],
         &["build"],
@@ -97,7 +99,15 @@ fn wrong_arguments_exit_2() {
         let run = gsm(arguments, &folder);
         assert_eq!(run.status.code(), Some(2), "{arguments:?}");
         assert!(!run.stderr.is_empty(), "{arguments:?}");
+        // For scripts one object like that of other failures, and nothing else.
+        let run = gsm(arguments.iter().chain(&["--json"]), &folder);
+        let report: Value = serde_json::from_slice(&run.stdout).unwrap();
+        assert_eq!((run.status.code(), &report["errors"][0]["code"]), (Some(2), &Value::from("usage")), "{arguments:?}");
+        assert!(run.stderr.is_empty() && !report["errors"][0]["hints"].as_array().unwrap().is_empty(), "{report}");
     }
+    let twice = gsm(["build", "a.ron", "--set", "r=2", "--set", "r=3"], &folder);
+    let said = String::from_utf8(twice.stderr).unwrap();
+    assert!(said.contains("'r' is set twice") && said.contains("--set r=3"), "{said}");
     let unknown = gsm(["build", text(&scene("cone")), "--set", "nothing=1"], &folder);
     assert_eq!(unknown.status.code(), Some(1), "an unknown parameter is the model's fault: the scene decides which there are");
     assert!(files(&folder).is_empty());
@@ -174,6 +184,7 @@ fn check_takes_scenes_and_files_and_writes_nothing() {
     let run = gsm(["check", "team07.poly", "--json"], &folder);
     let verdict: Value = serde_json::from_slice(&run.stdout).unwrap();
     assert_eq!((&verdict["is_valid"], &verdict["counts"]["seeds"]), (&Value::Bool(true), &Value::from(3)));
+    assert_eq!(verdict["errors"], Value::Array(Vec::new()));
     assert_eq!(files(&folder), ["team07.gsm.json", "team07.poly"]);
     assert_eq!(gsm(["check", "nothing.poly"], &folder).status.code(), Some(1));
     assert_eq!(gsm(["check", "nothing.ron"], &folder).status.code(), Some(1));
@@ -246,9 +257,13 @@ fn nothing_is_written_over_the_file_that_is_read_or_under_a_name_of_another_form
         (&["build", "good.ron", "-o", "good.ron"], "unknown-format", 2),
         (&["build", "good.ron", "-o", "good.stl"], "unknown-format", 2),
         (&["build", "good.ron", "-o", "good"], "unknown-format", 2),
-        (&["convert", "t.off", "./t.off"], "same-file", 1),
-        (&["convert", "good.ron", "t.obj"], "unknown-format", 1),
-        (&["build", "t.off"], "no-scene", 1),
+        (&["convert", "t.off", "./t.off"], "same-file", 2),
+        (&["convert", "good.ron", "t.obj"], "unknown-format", 2),
+        (&["convert", "t.off", "t.foo"], "unknown-format", 2),
+        (&["convert", "t.foo", "t.obj"], "unknown-format", 2),
+        (&["convert", "t.vtu", "t.obj"], "unreadable-format", 2),
+        (&["convert", "t.off", "t.obj", "--unit", "foo"], "unknown-unit", 2),
+        (&["build", "t.off"], "no-scene", 2),
     ] {
         let run = gsm(arguments, &folder);
         let said = String::from_utf8(run.stderr).unwrap();
@@ -306,4 +321,99 @@ fn a_folder_for_temporary_files_that_cannot_be_written_is_named() {
     assert!(said.contains("cannot-write") && said.contains("missing") && said.contains("TMPDIR"), "{said}");
     assert_eq!(run.status.code(), Some(4));
     assert_eq!(files(&folder), ["good.ron"]);
+}
+
+#[test]
+fn all_commands_tell_scripts_what_is_wrong_alike() {
+    let folder = folder("cli-shape");
+    let empty = r#"Scene(units: "mm", parts: [Part(name: "a", solid: Union([Block(size: (1, 1, 1)), Union([])]))])"#;
+    fs::write(folder.join("good.ron"), GOOD).unwrap();
+    fs::write(folder.join("told.ron"), empty).unwrap();
+    let report = |arguments: &[&str]| {
+        let run = gsm(arguments.iter().chain(&["--json"]), &folder);
+        let report: Value = serde_json::from_slice(&run.stdout).unwrap_or_else(|e| panic!("{arguments:?}: {e}"));
+        let count = |list: &str| report[list].as_array().unwrap_or_else(|| panic!("{arguments:?}: no {list}")).len();
+        assert!(run.stderr.is_empty(), "{arguments:?}");
+        assert_eq!(count("errors") == 0, run.status.code() == Some(0), "{arguments:?}");
+        assert!(report["errors"].as_array().unwrap().iter().all(|e| e["severity"] == "error" && e["message"].is_string()));
+        (run.status.code(), report["file"].as_str().unwrap().to_owned(), count("warnings"))
+    };
+    let good = |file: &str, warnings| (Some(0), file.to_owned(), warnings);
+    let bad = |file: &str, exit| (Some(exit), file.to_owned(), 0);
+    assert_eq!(report(&["build", "good.ron", "-o", "a.poly"]), good("good.ron", 0));
+    assert_eq!(report(&["build", "told.ron", "-o", "b.poly"]), good("told.ron", 1));
+    assert_eq!(report(&["check", "told.ron"]), good("told.ron", 1));
+    assert_eq!(report(&["check", "a.poly"]), good("a.poly", 0));
+    assert_eq!(report(&["convert", "a.poly", "a.obj"]), good("a.poly", 0));
+    assert_eq!(report(&["new", "team07"]), good("team07.ron", 0));
+    assert_eq!(report(&["new", "team07"]), bad("team07.ron", 1));
+    assert_eq!(report(&["build", "no.ron"]), bad("no.ron", 1));
+    assert_eq!(report(&["check", "no.ron"]), bad("no.ron", 1));
+    assert_eq!(report(&["check", "no.poly"]), bad("no.poly", 1));
+    assert_eq!(report(&["convert", "no.off", "a.obj"]), bad("no.off", 1));
+    assert_eq!(report(&["convert", "a.poly", "a.foo"]), bad("a.poly", 2));
+}
+
+#[test]
+fn files_that_cannot_be_read_are_told_in_words() {
+    let folder = folder("cli-unreadable");
+    for name in ["a.ron", "a.poly", "a.msh", "a.off"] {
+        fs::create_dir(folder.join(name)).unwrap();
+    }
+    for arguments in [
+        &["build", "no.ron"][..],
+        &["build", "a.ron"],
+        &["check", "no.poly"],
+        &["check", "a.poly"],
+        &["convert", "no.msh", "b.obj"],
+        &["convert", "a.msh", "b.obj"],
+        &["convert", "no.off", "b.obj"],
+        &["convert", "a.off", "b.obj"],
+    ] {
+        let run = gsm(arguments, &folder);
+        let said = String::from_utf8([run.stdout, run.stderr].concat()).unwrap();
+        let why = if arguments[1].starts_with("no") { "there is no such file" } else { "it is a folder" };
+        assert!(said.contains(&format!("cannot read {}: {why}", arguments[1])) && said.contains("hint: "), "{said}");
+        assert!(!said.contains("os error"), "{said}");
+        assert_eq!(run.status.code(), Some(1), "{arguments:?}");
+    }
+    let run = gsm(["convert", "a.vtu", "b.obj"], &folder);
+    let said = String::from_utf8(run.stderr).unwrap();
+    assert!([".msh", ".mesh", ".poly", ".smesh", ".obj", ".off", ".stl"].iter().all(|e| said.contains(e)), "{said}");
+}
+
+#[test]
+fn conversions_keep_names_and_region_points() {
+    let folder = folder("cli-names");
+    // With a cavity, a named boundary and a wanted volume.
+    let text = r#"Scene(units: "mm", parts: [
+        Part(name: "shell", max_volume: 3, solid: Difference([Block(size: (4, 4, 4), center: (0, 0, 0)),
+             Block(size: (1, 1, 1), center: (0, 0, 0))]), boundaries: [Side(name: "foot", side: "bottom")]),
+        Part(name: "lid", solid: Block(size: (4, 4, 1), at: (-2, -2, 2)))])"#;
+    fs::write(folder.join("a.ron"), text).unwrap();
+    let good = |arguments: &[&str]| {
+        let run = gsm(arguments, &folder);
+        let said = String::from_utf8([run.stdout, run.stderr].concat()).unwrap();
+        assert_eq!(run.status.code(), Some(0), "{arguments:?}: {said}");
+    };
+    let read = |name: &str| fs::read_to_string(folder.join(name)).unwrap();
+    good(&["build", "a.ron"]);
+    good(&["convert", "a.poly", "b.smesh"]);
+    // It has its cavity and regions, and its manifest is that of its triangles.
+    good(&["check", "b.smesh"]);
+    let lists = |name: &str| read(name).split_once("# voids").unwrap().1.to_owned();
+    assert_eq!(lists("b.smesh"), lists("a.poly"));
+    // So does the surface of a mesh.
+    good(&["mesh", "a.ron", "-o", "h.smesh"]);
+    good(&["check", "h.smesh"]);
+    // From format to format the names of the markers stay.
+    for [from, to] in [["a.poly", "c.obj"], ["c.obj", "d.stl"], ["d.stl", "e.off"], ["e.off", "f.obj"], ["f.obj", "g.msh"]] {
+        good(&["convert", from, to]);
+    }
+    for name in ["shell|lid", "shell|outer", "lid|outer", "foot"] {
+        for (file, line) in [("d.stl", "solid "), ("f.obj", "g "), ("g.msh", "2 ")] {
+            let is_named = |l: &str| l.starts_with(line) && l.replace('"', "").ends_with(&format!(" {name}"));
+            assert_eq!(read(file).lines().filter(|l| is_named(l)).count(), 1, "{file} {name}");
+        }
+    }
 }

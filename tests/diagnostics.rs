@@ -217,6 +217,22 @@ fn much_work_is_told_before_it_is_done_or_refused() {
     fs::write(&path, scene(10)).unwrap();
     let refused = load(&path, &[], &Limits::default()).unwrap_err();
     assert!(refused[0].code == "too-many-facets" && refused[0].hints[0].contains("reduce"), "{refused:?}");
+    assert!(refused[0].message.contains("10 copies of this solid") && refused[0].hints[0].contains("`count`"), "{refused:?}");
+    // Patterns in patterns multiply: it is they that are told, not the few segments of each copy.
+    let pattern = |count: u32, step: &str, solid: &str| format!("Linear(count: {count}, step: {step}, solid: {solid})");
+    let spheres = |count: u32| {
+        let solid = pattern(count, "(0, 0, 9)", &pattern(20, "(0, 9, 0)", &pattern(10, "(9, 0, 0)", "Sphere(radius: 1)")));
+        format!("Scene(units: \"mm\", parts: [Part(name: \"a\", solid: {solid})])")
+    };
+    let other = path.with_file_name("many_copies.ron");
+    fs::write(&other, spheres(30)).unwrap();
+    let warnings = load(&other, &[], &Limits::default()).unwrap().warnings;
+    assert!(warnings.len() == 1 && warnings[0].message.contains("6000 copies (30 x 20 x 10)"), "{warnings:?}");
+    assert!(warnings[0].hints[0].starts_with("make fewer copies"), "{warnings:?}");
+    fs::write(&other, spheres(400)).unwrap();
+    let refused = load(&other, &[], &Limits::default()).unwrap_err();
+    assert_eq!(refused[0].code, "too-many-facets");
+    assert!(refused[0].message.starts_with("80000 copies (400 x 20 x 10) of this solid with 288 facets each"), "{refused:?}");
     // As text, the same file would have fewer.
     file.set_len(83 + 50 * u64::from(count)).unwrap();
     assert!(load(&path, &[], &Limits::default()).unwrap().warnings.len() == 1);

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 pub fn run(args: &BuildArgs, session: &mut Session) -> io::Result<Exit> {
     session.set_threads();
     if let Some(fault) = args.output.as_ref().and_then(|path| misplaced(args, path)) {
-        return complain(vec![fault], args, session, "").map(|_| Exit::Usage);
+        return complain(vec![fault], args, session, "");
     }
     // Told before the work, as in `gsm mesh`.
     if let Some(fault) = session::missing_folder(args.output.as_slice()) {
@@ -35,7 +35,7 @@ pub fn run(args: &BuildArgs, session: &mut Session) -> io::Result<Exit> {
     }
     let report = Report::new(&model, Some(path.display().to_string()));
     if session.common.json {
-        session.json(&report)?;
+        session.json(&args.scene, &model.warnings, &report)?;
     } else {
         session.complain(&model.warnings, &args.scene, &model.scene.unit);
         if !session.common.quiet {
@@ -52,7 +52,7 @@ fn misplaced(args: &BuildArgs, path: &Path) -> Option<Diagnostic> {
     if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("poly")) {
         let message = format!("{}: a build is written as .poly", path.display());
         let hint = "write -o NAME.poly; `gsm mesh` and `gsm convert` write other formats";
-        return Some(Diagnostic::error("unknown-format", message).hint(hint));
+        return Some(Diagnostic::usage("unknown-format", message).hint(hint));
     }
     session::overwriting(&args.scene, &[path.to_path_buf()])
 }

@@ -12,13 +12,11 @@ use serde::Serialize;
 use std::io::{self, IsTerminal};
 use std::path::Path;
 
-/// What was found.
+/// What a check says besides its findings.
 #[derive(Serialize)]
 struct Verdict {
-    path: String,
     is_valid: bool,
     counts: Option<Counts>,
-    findings: Vec<Diagnostic>,
 }
 
 /// Checks a scene (builds it, writes nothing) or a .poly or .smesh file; what it finds goes to standard output.
@@ -30,11 +28,10 @@ pub fn run(args: &CheckArgs, session: &mut Session) -> io::Result<Exit> {
     let is_plc = poly::is_plc(&args.path);
     let (counts, unit, findings) = if is_plc { check_file(&args.path) } else { check_scene(args, session) };
     let exit = Exit::of(&findings);
-    let verdict = Verdict { path: args.path.display().to_string(), is_valid: exit == Exit::Good, counts, findings };
     if session.common.json {
-        session.json(&verdict)?;
+        session.json(&args.path, &findings, &Verdict { is_valid: exit == Exit::Good, counts })?;
     } else {
-        session.out.write_all(render(&verdict, args, &unit, session).as_bytes())?;
+        session.out.write_all(render(counts, &findings, args, &unit, session).as_bytes())?;
     }
     Ok(exit)
 }
@@ -76,23 +73,22 @@ fn check_scene(args: &CheckArgs, session: &Session) -> Checked {
     }
 }
 
-fn render(verdict: &Verdict, args: &CheckArgs, unit: &str, session: &Session) -> String {
-    let text = session::source_for(&verdict.findings, &args.path);
+fn render(counts: Option<Counts>, findings: &[Diagnostic], args: &CheckArgs, unit: &str, session: &Session) -> String {
+    let text = session::source_for(findings, &args.path);
     let is_coloured = io::stdout().is_terminal() && session::is_colour_wanted();
-    let style = Style { file: &verdict.path, text: text.as_deref(), unit, is_coloured };
-    let mut out: String =
-        verdict.findings.iter().filter(|d| !session.is_seen(d)).map(|d| diagnostics::render(d, &style)).collect();
+    let file = args.path.display().to_string();
+    let style = Style { file: &file, text: text.as_deref(), unit, is_coloured };
+    let mut out: String = findings.iter().filter(|d| !session.is_seen(d)).map(|d| diagnostics::render(d, &style)).collect();
     if session.common.quiet {
         return out;
     }
-    let errors = verdict.findings.iter().filter(|d| d.severity > Severity::Warning).count();
-    out += &match (errors, verdict.counts) {
-        (0, Some(c)) => format!(
-            "{}: valid: {} vertices, {} facets, {} regions, {} voids\n",
-            verdict.path, c.vertices, c.facets, c.seeds, c.holes
-        ),
-        (1, _) => format!("{}: 1 finding\n", verdict.path),
-        (n, _) => format!("{}: {n} findings\n", verdict.path),
+    let errors = findings.iter().filter(|d| d.severity > Severity::Warning).count();
+    out += &match (errors, counts) {
+        (0, Some(c)) => {
+            format!("{file}: valid: {} vertices, {} facets, {} regions, {} voids\n", c.vertices, c.facets, c.seeds, c.holes)
+        }
+        (1, _) => format!("{file}: 1 finding\n"),
+        (n, _) => format!("{file}: {n} findings\n"),
     };
     out
 }

@@ -27,10 +27,11 @@ pub fn run(args: &ConvertArgs, session: &mut Session) -> io::Result<Exit> {
             let counts = [mesh.nodes.len(), mesh.triangles.len(), mesh.tets.len()];
             let names = [mesh.regions.len(), mesh.markers.len()];
             if session.common.json {
-                session.json(&serde_json::json!({
+                let result = serde_json::json!({
                     "output": args.output.display().to_string(), "nodes": counts[0], "triangles": counts[1], "tets": counts[2],
                     "regions": mesh.regions, "markers": mesh.markers
-                }))?;
+                });
+                session.json(&args.input, &[], &result)?;
             } else if !session.common.quiet {
                 let ([nodes, triangles, tets], [regions, markers]) = (counts, names);
                 writeln!(
@@ -51,7 +52,7 @@ pub fn run(args: &ConvertArgs, session: &mut Session) -> io::Result<Exit> {
 fn convert(args: &ConvertArgs) -> Result<Mesh, Vec<Diagnostic>> {
     let one = |fault| vec![fault];
     if args.input.extension().is_some_and(|e| e.eq_ignore_ascii_case("ron")) {
-        let fault = Diagnostic::error("unknown-format", "this is a scene, not a mesh or surface");
+        let fault = Diagnostic::usage("unknown-format", "this is a scene, not a mesh or surface");
         return Err(one(fault.hint("`gsm build` makes a .poly of it, which `gsm convert` reads; `gsm mesh` makes a mesh")));
     }
     if let Some(fault) = session::overwriting(&args.input, std::slice::from_ref(&args.output)) {
@@ -62,7 +63,7 @@ fn convert(args: &ConvertArgs) -> Result<Mesh, Vec<Diagnostic>> {
     let unit = args.unit.clone().or_else(|| manifest.as_ref().map(|m| m.unit.clone()));
     let meters = match &unit {
         Some(unit) => scene::meters(unit).ok_or_else(|| {
-            one(Diagnostic::error("unknown-unit", format!("`{unit}` is no unit of length")).hint("use mm, cm, m, in ..."))
+            one(Diagnostic::usage("unknown-unit", format!("`{unit}` is no unit of length")).hint("use mm, cm, m, in ..."))
         })?,
         None => 1.0,
     };
@@ -76,6 +77,7 @@ fn convert(args: &ConvertArgs) -> Result<Mesh, Vec<Diagnostic>> {
         format::load(&args.input).map_err(one)?
     };
     let content = format::render(&mesh, meters, format, &args.output).map_err(one)?;
+    let manifest = manifest.map(|m| format::manifest_of(m, format, &content)).transpose().map_err(one)?;
     let json = manifest.map(|m| m.to_json()).transpose().map_err(one)?;
     let mut files = vec![NewFile { path: args.output.clone(), content: &content }];
     let beside = manifest::path_beside(&args.output);

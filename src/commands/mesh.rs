@@ -35,7 +35,6 @@ struct MeshReport<'a> {
     #[serde(flatten)]
     mesh: VolumeReport,
     missed: Vec<String>,
-    warnings: &'a [Diagnostic],
     timings: &'a Timings,
 }
 
@@ -71,11 +70,10 @@ pub fn run(args: &MeshArgs, session: &mut Session) -> io::Result<Exit> {
         Err(fault) => return complain(vec![fault], args, session, Exit::Outside),
     };
     let unknown = args.output.iter().find_map(|path| Format::of(path).err());
-    if let Some(fault) = unknown.or_else(|| session::overwriting(&args.path, &args.output)) {
-        return complain(vec![fault], args, session, Exit::Usage);
-    }
-    if let Some(fault) = session::missing_folder(&args.output) {
-        return complain(vec![fault], args, session, Exit::Wrong);
+    let misplaced = unknown.or_else(|| session::overwriting(&args.path, &args.output));
+    if let Some(fault) = misplaced.or_else(|| session::missing_folder(&args.output)) {
+        let exit = Exit::of(std::slice::from_ref(&fault));
+        return complain(vec![fault], args, session, exit);
     }
     let mut task = match load(args, session::overrides(&args.changes), &mut timings) {
         Ok(task) => task,
@@ -168,20 +166,22 @@ fn write(meshed: &Meshed, task: &Task, outputs: &[PathBuf], msh: MshVersion) -> 
     let mut contents = Vec::new();
     for path in outputs {
         let format = with_version(Format::of(path)?, msh);
-        contents.push((path.clone(), format::render(&meshed.mesh, meters, format, path)?));
+        contents.push((path.clone(), format, format::render(&meshed.mesh, meters, format, path)?));
     }
     // The manifest stands beside the first file; its volumes are those of the complex that was meshed.
-    if let (Some(manifest), Some(first)) = (&task.manifest, outputs.first()) {
-        let mut manifest = manifest.clone();
+    let mut json = None;
+    if let (Some(manifest), Some((first, format, content))) = (&task.manifest, contents.first()) {
+        let mut manifest = format::manifest_of(manifest.clone(), *format, content)?;
         for region in &mut manifest.regions {
             let volume = u32::try_from(region.region).ok().and_then(|r| meshed.volumes.get(&r));
             if let (true, Some(volume)) = (meshed.moved > 0.0, volume) {
                 region.volume = *volume;
             }
         }
-        contents.push((manifest::path_beside(first), manifest.to_json()?.into_bytes()));
+        json = Some((manifest::path_beside(first), manifest.to_json()?.into_bytes()));
     }
-    let files: Vec<NewFile> = contents.iter().map(|(path, content)| NewFile { path: path.clone(), content }).collect();
+    let all = contents.iter().map(|(path, _, content)| (path, content)).chain(json.as_ref().map(|(path, json)| (path, json)));
+    let files: Vec<NewFile> = all.map(|(path, content)| NewFile { path: path.clone(), content }).collect();
     atomic::write_all(&files)
 }
 
@@ -225,17 +225,15 @@ fn report(
         moved: meshed.moved,
         mesh,
         missed,
-        warnings: &task.warnings,
         timings: &timings,
     };
+    let faults = report.missed.iter().map(|m| Diagnostic::error("quality", m.clone()).hint(QUALITY));
+    let told: Vec<Diagnostic> = task.warnings.iter().cloned().chain(faults).collect();
     if session.common.json {
-        session.json(&report)?;
+        session.json(&args.path, &told, &report)?;
         return Ok(exit);
     }
-    let unit = task.manifest.as_ref().map_or("", |m| &m.unit);
-    session.complain(&task.warnings, &args.path, unit);
-    let faults: Vec<Diagnostic> = report.missed.iter().map(|m| Diagnostic::error("quality", m.clone()).hint(QUALITY)).collect();
-    session.complain(&faults, &args.path, unit);
+    session.complain(&told, &args.path, task.manifest.as_ref().map_or("", |m| &m.unit));
     if !session.common.quiet {
         session.out.write_all(text(&report).as_bytes())?;
     }

@@ -6,3 +6,4 @@ pub mod convert;
 pub mod mesh;
 pub mod new;
 pub mod session;
+pub mod usage;

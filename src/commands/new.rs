@@ -34,12 +34,12 @@ pub fn run(args: &NewArgs, session: &mut Session) -> io::Result<Exit> {
     };
     let shown = path.display().to_string();
     match written {
-        Ok(()) if session.common.json => session.json(&serde_json::json!({ "output": shown }))?,
+        Ok(()) if session.common.json => session.json(&path, &[], &serde_json::json!({ "output": shown }))?,
         Ok(()) if session.common.quiet => {}
         Ok(()) => writeln!(session.out, "written: {shown}\nnow: gsm mesh {shown}")?,
         Err(fault) => {
-            session.complain(&[fault], &path, "");
-            return Ok(Exit::Wrong);
+            session.fail(std::slice::from_ref(&fault), &path, "")?;
+            return Ok(Exit::of(&[fault]));
         }
     }
     Ok(Exit::Good)

@@ -6,6 +6,7 @@ use crate::pipeline::Overrides;
 use crate::report::diagnostics::{self, Style};
 use crate::report::timing::{Listener, Timings};
 use crate::scene::model::RemeshMode;
+use serde::Serialize;
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, OnceLock};
@@ -22,7 +23,7 @@ const QUIET_TIME: Duration = Duration::from_millis(400);
 pub enum Exit {
     /// Good.
     Good = 0,
-    /// The model is wrong.
+    /// The model, or a file, is wrong.
     Wrong = 1,
     /// The arguments are wrong.
     Usage = 2,
@@ -40,6 +41,7 @@ impl Exit {
         match diagnostics.iter().map(|d| d.severity).max() {
             Some(Severity::Internal) => Self::Internal,
             Some(Severity::Error) => Self::Wrong,
+            Some(Severity::Usage) => Self::Usage,
             _ => Self::Good,
         }
     }
@@ -100,13 +102,12 @@ impl<'a> Session<'a> {
         complain(&diagnostics.iter().filter(is_new).cloned().collect::<Vec<_>>(), file, unit);
     }
 
-    /// Writes a value as indented JSON.
+    /// Writes what a command found out about a file, and what there is to tell about it, as JSON.
     ///
     /// # Errors
     /// Those of standard output.
-    pub fn json(&mut self, value: &impl serde::Serialize) -> io::Result<()> {
-        serde_json::to_writer_pretty(&mut *self.out, value)?;
-        self.out.write_all(b"\n")
+    pub fn json(&mut self, file: &Path, told: &[Diagnostic], result: &impl Serialize) -> io::Result<()> {
+        json(&mut *self.out, Some(file), told, result)
     }
 
     /// Tells why a command failed on a file: for scripts on standard output, else as [`Self::complain`] does.
@@ -115,11 +116,35 @@ impl<'a> Session<'a> {
     /// Those of standard output.
     pub fn fail(&mut self, faults: &[Diagnostic], file: &Path, unit: &str) -> io::Result<()> {
         if self.common.json {
-            return self.json(&serde_json::json!({ "file": file.display().to_string(), "errors": faults }));
+            return self.json(file, faults, &serde_json::Map::new());
         }
         self.complain(faults, file, unit);
         Ok(())
     }
+}
+
+/// What scripts are told, the same for all commands.
+#[derive(Serialize)]
+struct Told<'a, T> {
+    /// The file that it is about; none if the arguments were not understood.
+    file: Option<String>,
+    /// Empty exactly if the exit code is 0.
+    errors: Vec<&'a Diagnostic>,
+    warnings: Vec<&'a Diagnostic>,
+    /// What the command found out; nothing if it failed.
+    #[serde(flatten)]
+    result: &'a T,
+}
+
+/// Writes what there is to tell as indented JSON.
+///
+/// # Errors
+/// Those of `out`.
+pub fn json(out: &mut dyn Write, file: Option<&Path>, told: &[Diagnostic], result: &impl Serialize) -> io::Result<()> {
+    let (warnings, errors) = told.iter().partition(|d| d.severity == Severity::Warning);
+    let told = Told { file: file.map(|f| f.display().to_string()), errors, warnings, result };
+    serde_json::to_writer_pretty(&mut *out, &told)?;
+    out.write_all(b"\n")
 }
 
 /// The fault of writing over the file that is read.
@@ -127,7 +152,7 @@ pub fn overwriting(input: &Path, outputs: &[PathBuf]) -> Option<Diagnostic> {
     let input = std::fs::canonicalize(input).ok()?;
     let same = outputs.iter().find(|output| std::fs::canonicalize(output).is_ok_and(|o| o == input))?;
     let message = format!("{} is the file that is read: it would be overwritten", same.display());
-    Some(Diagnostic::error("same-file", message).hint("name another file with -o"))
+    Some(Diagnostic::usage("same-file", message).hint("name another file with -o"))
 }
 
 /// The fault of writing into a folder that is not there.

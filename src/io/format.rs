@@ -1,13 +1,17 @@
 //! Which format a path means, and reading and writing whole files.
 
+use super::manifest::Manifest;
 use super::mesh::Mesh;
-use super::{glb, medit, msh, ply, smesh, vtu, write_obj, write_off, write_stl};
+use super::{glb, medit, msh, ply, poly, smesh, vtu, write_obj, write_off, write_stl};
 use crate::diag::{Diagnostic, with_line_feeds};
 use std::fs;
 use std::path::Path;
 
 /// Largest mesh file that is read: beyond it the node numbers would not fit anyway.
 const MAX_FILE_BYTES: u64 = 8 << 30;
+
+/// What `gsm convert` reads, here and where surfaces and complexes are read.
+const READ: &str = "gsm reads .msh (2.2, 4.1), .mesh, .poly, .smesh, .obj, .off and .stl";
 
 /// A mesh file format.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -52,7 +56,7 @@ impl Format {
             "smesh" => Self::Smesh,
             "glb" => Self::Glb,
             _ => {
-                return Err(Diagnostic::error(
+                return Err(Diagnostic::usage(
                     "unknown-format",
                     format!("{}: the extension names no mesh format", path.display()),
                 )
@@ -88,19 +92,30 @@ pub fn render(mesh: &Mesh, meters: f64, format: Format, path: &Path) -> Result<V
     Ok(content)
 }
 
+/// The manifest that stands beside a file of this content: a complex has to have as many facets as it says.
+///
+/// # Errors
+/// An internal error, if the content is not of its format.
+pub fn manifest_of(manifest: Manifest, format: Format, content: &[u8]) -> Result<Manifest, Diagnostic> {
+    if format != Format::Smesh {
+        return Ok(manifest);
+    }
+    Ok(manifest.recounted(&poly::parse(&String::from_utf8_lossy(content), None, true)?))
+}
+
 /// Reads a mesh file: MSH 2.2 and 4.1, Medit.
 ///
 /// # Errors
 /// If the format is not one of these, the file cannot be read, or it is damaged.
 pub fn load(path: &Path) -> Result<Mesh, Diagnostic> {
     let file = path.display().to_string();
-    let text = read_text(path)?;
-    match Format::of(path)? {
-        Format::Msh22 | Format::Msh41 => msh::read(&file, &text),
-        Format::Medit => medit::read(&file, &text),
-        _ => Err(Diagnostic::error("unreadable-format", format!("{file}: this format is only written"))
-            .hint("gsm reads .msh (2.2, 4.1) and .mesh")),
-    }
+    let read = match Format::of(path) {
+        Ok(Format::Msh22 | Format::Msh41) => msh::read,
+        Ok(Format::Medit) => medit::read,
+        Ok(_) => return Err(Diagnostic::usage("unreadable-format", format!("{file}: this format is only written")).hint(READ)),
+        Err(fault) => return Err(Diagnostic { hints: vec![READ.to_owned()], ..fault }),
+    };
+    read(&file, &read_text(path)?)
 }
 
 /// A regular file's text, up to the size limit.
@@ -109,12 +124,13 @@ pub(crate) fn read_text(path: &Path) -> Result<String, Diagnostic> {
         Diagnostic::error("not-read", format!("{}: {what}", path.display()))
             .hint("give the path of a mesh file that can be read")
     };
-    let meta = fs::metadata(path).map_err(|e| fault(e.to_string()))?;
-    if !meta.is_file() {
+    let unreadable = |e| Diagnostic::unreadable("not-read", path, &e).hint("give the path of a mesh file");
+    let meta = fs::metadata(path).map_err(unreadable)?;
+    if !meta.is_file() && !meta.is_dir() {
         return Err(fault("is no regular file".into()));
     }
     if meta.len() > MAX_FILE_BYTES {
         return Err(fault(format!("has {} bytes, more than {MAX_FILE_BYTES}", meta.len())));
     }
-    fs::read_to_string(path).map(with_line_feeds).map_err(|e| fault(e.to_string()))
+    fs::read_to_string(path).map(with_line_feeds).map_err(unreadable)
 }

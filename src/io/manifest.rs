@@ -7,6 +7,7 @@ use crate::plc::Plc;
 use crate::plc::measure::Measures;
 use crate::scene::model::Scene;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Largest manifest that is read: a thousand times that of the largest reference scene.
@@ -117,6 +118,15 @@ impl Manifest {
             regions: regions.collect(),
             counts: Counts::of(plc),
         }
+    }
+
+    /// The manifest of the same complex as another file holds it, its facets in other pieces.
+    pub fn recounted(self, plc: &Plc) -> Self {
+        let mut facets: BTreeMap<i64, usize> = BTreeMap::new();
+        plc.facets.iter().for_each(|f| *facets.entry(f.marker).or_insert(0) += 1);
+        let recount = |m: MarkerEntry| MarkerEntry { facets: facets.get(&m.marker).copied().unwrap_or(0), ..m };
+        let markers = self.markers.into_iter().map(recount).collect();
+        Self { counts: Counts::of(plc), markers, ..self }
     }
 
     /// The file's text: indented, fields in the order of this type.

@@ -6,6 +6,7 @@ use crate::declare_ids;
 use crate::geom::Vec3;
 use crate::geom::aabb::Aabb;
 use crate::ids::{Id, IdVec};
+use crate::plc::Seed;
 use std::collections::{BTreeMap, HashMap};
 
 declare_ids! {
@@ -27,6 +28,10 @@ pub struct Mesh {
     pub triangles: Vec<Triangle>,
     /// Tetrahedra, of positive volume.
     pub tets: Vec<Tet>,
+    /// A point inside of each volume of a surface, if they are known.
+    pub seeds: Vec<Seed>,
+    /// A point inside of each cavity, if they are known.
+    pub holes: Vec<Vec3>,
     /// Names of regions.
     pub regions: BTreeMap<RegionNumber, String>,
     /// Names of markers.
@@ -191,6 +196,8 @@ pub(crate) mod tests {
             triangles,
             tets,
             regions: names(&[(1, "iron"), (2, "air")]),
+            seeds: Vec::new(),
+            holes: Vec::new(),
             markers: names(&[(3, "iron|outer"), (4, "air|outer"), (5, "iron|air")]),
         };
         mesh.orient();

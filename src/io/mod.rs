@@ -45,6 +45,18 @@ pub struct PolygonMesh {
     pub groups: Vec<String>,
 }
 
+impl PolygonMesh {
+    /// The number of the group of this name, which is added if there is none.
+    fn group_called(&mut self, name: &str) -> u32 {
+        // Files have few groups; those with thousands are read in one piece per group anyway.
+        let known = self.groups.iter().position(|g| g == name);
+        known.unwrap_or_else(|| {
+            self.groups.push(name.into());
+            self.groups.len() - 1
+        }) as u32
+    }
+}
+
 /// The format of a surface file.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum SurfaceFormat {
@@ -88,9 +100,7 @@ pub fn read_surface(path: &Path) -> Result<PolygonMesh, Diagnostic> {
             Diagnostic::error("unknown-format", format!("{name}: unknown kind of surface file")).hint("use .obj, .off or .stl")
         );
     };
-    let cannot = |e: std::io::Error| {
-        Diagnostic::error("unreadable-file", format!("{name}: {e}")).hint("check its name and who may read it")
-    };
+    let cannot = |e: std::io::Error| Diagnostic::unreadable("unreadable-file", path, &e).hint("give the path of a surface");
     let length = std::fs::metadata(path).map_err(cannot)?.len();
     if length > MAX_FILE_BYTES {
         let fault = Diagnostic::error("too-large-file", format!("{name}: {length} bytes, more than {MAX_FILE_BYTES}"));

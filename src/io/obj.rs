@@ -24,7 +24,7 @@ pub fn read(text: &str) -> Result<PolygonMesh, FormatError> {
             }
             mesh.points.push([p[0], p[1], p[2]]);
         }
-        let group = group_number(&mut mesh.groups, &model.name);
+        let group = mesh.group_called(&model.name);
         let mut indices = model.mesh.indices.iter().map(|i| i + base as u32);
         // tobj gives no sizes if all are triangles.
         let sizes = &model.mesh.face_arities;
@@ -51,15 +51,6 @@ pub fn read(text: &str) -> Result<PolygonMesh, FormatError> {
 /// The name that tobj gives to faces before any `o` or `g`.
 fn tobj_default_name() -> &'static str {
     "unnamed_object"
-}
-
-fn group_number(groups: &mut Vec<String>, name: &str) -> u32 {
-    // Files have few groups; those with thousands are read in one piece per group anyway.
-    let known = groups.iter().position(|g| g == name);
-    known.unwrap_or_else(|| {
-        groups.push(name.into());
-        groups.len() - 1
-    }) as u32
 }
 
 /// The first line that cannot be right, which tobj does not tell.

@@ -1,8 +1,10 @@
 //! Geomview's OFF in text form: header, counts, points, polygons; comments from `#`. Colours, normals and texture
-//! coordinates are passed over.
+//! coordinates are passed over; the comments in which gsm writes names are read.
 
+use super::write_off::{FROM_HERE, MARKER};
 use super::{FormatError, PolygonMesh, coordinates};
 use crate::geom::lists::Lists;
+use std::collections::BTreeMap;
 
 /// Bytes of a line of three numbers, at least.
 const SHORTEST_LINE: usize = 6;
@@ -41,8 +43,9 @@ pub fn read(text: &str) -> Result<PolygonMesh, FormatError> {
         points: Vec::with_capacity(room(points)),
         polygons: Lists::with_capacity(room(polygons), 3 * room(polygons)),
         group_of: Vec::with_capacity(room(polygons)),
-        groups: vec!["surface".into()],
+        groups: Vec::new(),
     };
+    let mut comments = if has_comments { Comments::of(text) } else { Comments::default() };
     for _ in 0..points {
         let (line, words) = next("a point")?;
         mesh.points.push(coordinates(words.split_ascii_whitespace(), line)?);
@@ -50,7 +53,8 @@ pub fn read(text: &str) -> Result<PolygonMesh, FormatError> {
     let mut plain = Vec::new();
     for _ in 0..polygons {
         let (line, words) = next("a polygon")?;
-        mesh.group_of.push(0);
+        let group = mesh.group_called(comments.name_at(line));
+        mesh.group_of.push(group);
         if plain_numbers(words, &mut plain)
             && let [size, walk @ ..] = &plain[..]
             && walk.len() == *size as usize
@@ -78,6 +82,38 @@ pub fn read(text: &str) -> Result<PolygonMesh, FormatError> {
         mesh.polygons.push(polygon);
     }
     Ok(mesh)
+}
+
+/// Names of the markers, and the lines from which on polygons have one, as [`super::write_off`] writes them.
+#[derive(Default)]
+struct Comments<'t> {
+    names: BTreeMap<&'t str, &'t str>,
+    /// In the order of the lines, the next one last.
+    starts: Vec<(usize, &'t str)>,
+    marker: Option<&'t str>,
+}
+
+impl<'t> Comments<'t> {
+    fn of(text: &'t str) -> Self {
+        let mut comments = Self::default();
+        for (k, line) in text.lines().enumerate().filter(|(_, line)| line.starts_with('#')) {
+            if let Some(marker) = line.strip_prefix(FROM_HERE) {
+                comments.starts.push((k + 1, marker.trim()));
+            } else if let Some((marker, name)) = line.strip_prefix(MARKER).and_then(|rest| rest.trim().split_once(' ')) {
+                comments.names.insert(marker, name.trim());
+            }
+        }
+        comments.starts.reverse();
+        comments
+    }
+
+    /// The name of the polygon on a line; the lines are asked in their order.
+    fn name_at(&mut self, line: usize) -> &'t str {
+        while let Some((_, marker)) = self.starts.pop_if(|(start, _)| *start < line) {
+            self.marker = Some(marker);
+        }
+        self.marker.and_then(|marker| self.names.get(marker).copied()).unwrap_or("surface")
+    }
 }
 
 fn without_comment(line: &str) -> &str {
@@ -117,6 +153,16 @@ mod tests {
     fn counts_beside_the_header_comments_and_colours() {
         let mesh = read(TETRAHEDRON).unwrap();
         assert_eq!((mesh.points.len(), mesh.polygons.of(1)), (4, &[0, 1, 3][..]));
+    }
+
+    #[test]
+    fn names_are_read_back() {
+        let mut text = Vec::new();
+        let cube = crate::io::mesh::tests::cube();
+        crate::io::write_off::write(&cube, &mut text).unwrap();
+        let mesh = read(&String::from_utf8(text).unwrap()).unwrap();
+        assert_eq!(mesh.groups, ["iron|outer", "air|outer", "iron|air"]);
+        assert_eq!([0, 1, 2].map(|g| mesh.group_of.iter().filter(|of| **of == g).count()), [6, 6, 2]);
     }
 
     #[test]

@@ -2,11 +2,13 @@
 
 use super::mesh::{Mesh, NodeId, TET_FACES, sorted};
 use super::names::name_of;
+use super::poly;
 use crate::geom::Vec3;
+use crate::plc::Seed;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::io::{self, Write};
 
-/// Writes the triangles and their nodes, not those inside of volumes; seeds are known if the mesh has tetrahedra.
+/// Writes the triangles and their nodes, not those inside of volumes; a mesh of tetrahedra has its seeds in them.
 ///
 /// # Errors
 /// What the writer reports.
@@ -24,12 +26,11 @@ pub fn write(mesh: &Mesh, out: &mut dyn Write) -> io::Result<()> {
         let [a, b, c] = t.corners.map(|v| numbers[&v]);
         writeln!(out, "3 {a} {b} {c} {}", t.marker)?;
     }
-    let seeds = seeds(mesh);
-    writeln!(out, "0\n{}", seeds.len())?;
-    for (k, (region, p)) in seeds.iter().enumerate() {
-        writeln!(out, "{} {:?} {:?} {:?} {region}", k + 1, p.x, p.y, p.z)?;
-    }
-    Ok(())
+    let seeds = if mesh.tets.is_empty() { mesh.seeds.clone() } else { seeds(mesh) };
+    let mut volumes = String::new();
+    // Writing to a String cannot fail.
+    let _ = poly::volumes(&mut volumes, &mesh.holes, &seeds);
+    out.write_all(volumes.as_bytes())
 }
 
 /// Comments that name regions and markers.
@@ -43,7 +44,7 @@ pub(crate) fn write_name_comments(mesh: &Mesh, out: &mut dyn Write) -> io::Resul
 }
 
 /// A point strictly inside each connected volume of one region: the centroid of its largest tetrahedron.
-fn seeds(mesh: &Mesh) -> Vec<(u32, Vec3)> {
+fn seeds(mesh: &Mesh) -> Vec<Seed> {
     // Components by union-find over tetrahedra that share a face without a triangle.
     let walls: BTreeSet<_> = mesh.triangles.iter().map(|t| sorted(t.corners)).collect();
     let mut parent: Vec<usize> = (0..mesh.tets.len()).collect();
@@ -69,7 +70,12 @@ fn seeds(mesh: &Mesh) -> Vec<(u32, Vec3)> {
             *entry = (volume, k);
         }
     }
-    best.into_values().map(|(_, k)| (mesh.tets[k].region, mesh.tet_points(&mesh.tets[k]).iter().sum::<Vec3>() * 0.25)).collect()
+    let seed = |k: usize| Seed {
+        point: mesh.tet_points(&mesh.tets[k]).iter().sum::<Vec3>() * 0.25,
+        region: mesh.tets[k].region.into(),
+        max_volume: None,
+    };
+    best.into_values().map(|(_, k)| seed(k)).collect()
 }
 
 fn root(parent: &mut [usize], mut k: usize) -> usize {
@@ -88,7 +94,7 @@ mod tests {
     #[test]
     fn one_seed_per_piece() {
         let mut mesh = cube();
-        assert_eq!(seeds(&mesh).iter().map(|s| s.0).collect::<Vec<_>>(), [1, 2]);
+        assert_eq!(seeds(&mesh).iter().map(|s| s.region).collect::<Vec<_>>(), [1, 2]);
         // Without the inner triangles the regions are one volume.
         mesh.triangles.retain(|t| t.marker != 5);
         assert_eq!(seeds(&mesh).len(), 1);

@@ -1,4 +1,4 @@
-//! Stereolithography, text or binary: triangles, each with its own points.
+//! Stereolithography, text or binary: triangles, each with its own points. The solids of a text are groups by their names.
 
 use super::{FormatError, PolygonMesh, as_text, coordinates};
 
@@ -6,13 +6,15 @@ use super::{FormatError, PolygonMesh, as_text, coordinates};
 const HEADER: usize = 84;
 /// Bytes of a binary triangle: normal, three points, attribute.
 const TRIANGLE: usize = 50;
+/// The group of triangles whose solid has no name.
+const UNNAMED: &str = "surface";
 
 /// Reads the bytes of an STL file. A file is binary if its length is what its triangle count says, whatever its header claims.
 ///
 /// # Errors
 /// Text: with the line. Binary: if its length is not what its count says.
 pub fn read(bytes: &[u8]) -> Result<PolygonMesh, FormatError> {
-    let mut mesh = PolygonMesh { groups: vec!["surface".into()], ..Default::default() };
+    let mut mesh = PolygonMesh::default();
     let declared = bytes.get(80..HEADER).and_then(|b| b.try_into().ok()).map(|b| u32::from_le_bytes(b) as usize);
     let is_binary = declared.is_some_and(|n| n.checked_mul(TRIANGLE).and_then(|l| l.checked_add(HEADER)) == Some(bytes.len()));
     if is_binary {
@@ -28,11 +30,14 @@ pub fn read(bytes: &[u8]) -> Result<PolygonMesh, FormatError> {
         };
         return Err(FormatError::new(0, message));
     }
-    mesh.group_of = vec![0; mesh.polygons.count()];
+    if mesh.groups.is_empty() {
+        mesh.groups.push(UNNAMED.into());
+    }
     Ok(mesh)
 }
 
 fn read_binary(bytes: &[u8], mesh: &mut PolygonMesh) -> Result<(), FormatError> {
+    let group = mesh.group_called(UNNAMED);
     for (k, triangle) in bytes.chunks_exact(TRIANGLE).enumerate() {
         let first = mesh.points.len() as u32;
         for corner in triangle[12..48].chunks_exact(12) {
@@ -44,12 +49,15 @@ fn read_binary(bytes: &[u8], mesh: &mut PolygonMesh) -> Result<(), FormatError> 
             mesh.points.push(point);
         }
         mesh.polygons.push([first, first + 1, first + 2]);
+        mesh.group_of.push(group);
     }
     Ok(())
 }
 
 fn read_text(text: &str, mesh: &mut PolygonMesh) -> Result<(), FormatError> {
-    let mut corners = 0;
+    let (mut corners, mut name) = (0, UNNAMED);
+    // The group of the present solid, once it has a facet.
+    let mut group = None;
     for (k, line) in text.lines().enumerate() {
         let mut words = line.split_whitespace();
         match words.next() {
@@ -64,8 +72,15 @@ fn read_text(text: &str, mesh: &mut PolygonMesh) -> Result<(), FormatError> {
                 corners = 0;
                 let end = mesh.points.len() as u32;
                 mesh.polygons.push([end - 3, end - 2, end - 1]);
+                let number = group.unwrap_or_else(|| mesh.group_called(name));
+                mesh.group_of.push(number);
+                group = Some(number);
             }
-            Some("solid" | "facet" | "outer" | "endloop" | "endsolid") | None => {}
+            Some("solid") => {
+                let rest = line.trim_ascii_start()["solid".len()..].trim();
+                (name, group) = (if rest.is_empty() { UNNAMED } else { rest }, None);
+            }
+            Some("facet" | "outer" | "endloop" | "endsolid") | None => {}
             Some(word) => return Err(FormatError::new(k + 1, format!("unknown keyword '{word}'"))),
         }
     }
@@ -88,12 +103,25 @@ mod tests {
         let numbers = [0f32, 0., 1., 0., 0., 0., 1., 0., 0., 0., 1.5, 0.];
         bytes.extend(numbers.iter().flat_map(|x| x.to_le_bytes()));
         bytes.extend([0, 0]);
-        assert_eq!(read(&bytes).unwrap(), text);
+        let binary = read(&bytes).unwrap();
+        assert_eq!((&binary.points, &binary.polygons), (&text.points, &text.polygons));
+        assert_eq!((&binary.groups[..], &text.groups[..]), (&["surface".to_string()][..], &["a".to_string()][..]));
         assert_eq!(text.points[2], [0.0, 1.5, 0.0]);
         bytes.pop();
         // A header that lies, on a file that is cut off.
         assert!(read(&bytes).unwrap_err().message.contains("does not have"));
         assert!(read(&bytes[1..]).unwrap_err().message.contains("does not have"));
+    }
+
+    #[test]
+    fn solids_are_groups_by_their_names() {
+        let named = |name: &str| FACET.replace(" a\n", name);
+        let text = [named(" base plate\n"), named("\n"), named(" base plate\n"), FACET.to_string()].concat();
+        let mesh = read(text.as_bytes()).unwrap();
+        assert_eq!(
+            (mesh.groups, mesh.group_of),
+            (["base plate", "surface", "a"].map(str::to_owned).to_vec(), vec![0, 1, 0, 2])
+        );
     }
 
     #[test]

@@ -3,6 +3,11 @@
 use super::mesh::Mesh;
 use std::io::{self, Write};
 
+/// The comment that gives a marker its name, up to the marker.
+pub(super) const MARKER: &str = "# marker ";
+/// The comment before the first triangle of a marker, up to the marker.
+pub(super) const FROM_HERE: &str = "# from here marker ";
+
 /// Writes the triangles in marker order; a comment stands before each marker's first one.
 ///
 /// # Errors
@@ -19,7 +24,7 @@ pub fn write(mesh: &Mesh, out: &mut dyn Write) -> io::Result<()> {
     let mut last = None;
     for t in triangles {
         if last.replace(t.marker) != Some(t.marker) {
-            writeln!(out, "# from here marker {}", t.marker)?;
+            writeln!(out, "{FROM_HERE}{}", t.marker)?;
         }
         let [a, b, c] = t.corners.map(|v| v.0);
         writeln!(out, "3 {a} {b} {c}")?;

@@ -1,4 +1,5 @@
-//! STL, ASCII: one `solid` per region, closed, its normals outwards; so an interface stands in both its regions' solids.
+//! STL, ASCII: one `solid` per region, closed, its normals outwards; so an interface stands in both its regions' solids. A
+//! surface without regions is one `solid` per marker.
 
 use super::mesh::{Mesh, Triangle};
 use super::names::name_of;
@@ -6,13 +7,12 @@ use crate::geom::Vec3;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
-/// Writes one solid per region. Numbers keep all digits, so that equal vertices stay equal.
+/// Writes the solids. Numbers keep all digits, so that equal vertices stay equal.
 ///
 /// # Errors
 /// What the writer reports.
 pub fn write(mesh: &Mesh, out: &mut dyn Write) -> io::Result<()> {
-    for (region, triangles) in by_region(mesh) {
-        let name = if region == 0 { "surface".to_string() } else { name_of(&mesh.regions, region, "region") };
+    for (name, triangles) in solids(mesh) {
         writeln!(out, "solid {name}")?;
         for [a, b, c] in triangles {
             let normal = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default();
@@ -25,6 +25,22 @@ pub fn write(mesh: &Mesh, out: &mut dyn Write) -> io::Result<()> {
         writeln!(out, "endsolid {name}")?;
     }
     Ok(())
+}
+
+/// The triangles of each solid, by its name.
+fn solids(mesh: &Mesh) -> Vec<(String, Vec<[Vec3; 3]>)> {
+    let mut solids = Vec::new();
+    for (region, triangles) in by_region(mesh) {
+        if region != 0 {
+            solids.push((name_of(&mesh.regions, region, "region"), triangles));
+        }
+    }
+    let mut markers: BTreeMap<u32, Vec<[Vec3; 3]>> = BTreeMap::new();
+    for t in mesh.triangles.iter().filter(|t| t.sides == [0, 0]) {
+        markers.entry(t.marker).or_default().push(mesh.triangle_points(t));
+    }
+    solids.extend(markers.into_iter().map(|(marker, triangles)| (name_of(&mesh.markers, marker, "marker"), triangles)));
+    solids
 }
 
 fn text(p: Vec3) -> String {

@@ -85,7 +85,11 @@ pub(crate) fn import(leaf: &Leaf, path: &Path, scale: f64) -> Result<Solid, Diag
         _ => 0.0,
     });
     let exact = weld::identified(&mesh, &points);
-    let groups = mesh.groups;
+    let mut groups = mesh.groups;
+    // The name of the only solid of an STL file is that of the body, not of a side of it.
+    if let ([only], Some(SurfaceFormat::Stl)) = (&mut groups[..], SurfaceFormat::of(path)) {
+        *only = "surface".into();
+    }
     // Their memory serves what follows.
     drop((mesh.points, mesh.polygons, mesh.group_of, points));
     let closed = |surface| closed(surface, place.is_mirrored(), &file);

@@ -30,7 +30,7 @@ pub fn render(d: &Diagnostic, style: &Style) -> String {
 fn write_one(out: &mut String, d: &Diagnostic, style: &Style) -> std::fmt::Result {
     let (label, colour) = match d.severity {
         Severity::Warning => ("warning", "33"),
-        Severity::Error => ("error", "31"),
+        Severity::Usage | Severity::Error => ("error", "31"),
         Severity::Internal => ("internal error", "35"),
     };
     let (on, off) = if style.is_coloured { (format!("\x1b[1;{colour}m"), "\x1b[0m") } else { (String::new(), "") };

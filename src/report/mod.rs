@@ -15,7 +15,6 @@ pub mod volume;
 
 use crate::arrangement::Statistics;
 use crate::brep::complex::Complex;
-use crate::diag::Diagnostic;
 use crate::io::manifest::{Counts, MarkerEntry, RegionEntry};
 use crate::pipeline::Model;
 use crate::round::Repairs;
@@ -53,8 +52,6 @@ pub struct Report {
     pub arrangement: Statistics,
     /// How often rounding was repaired.
     pub repairs: Repairs,
-    /// What is worth a warning.
-    pub warnings: Vec<Diagnostic>,
     /// Stages in order.
     pub timings: Vec<StageTime>,
     /// Their sum.
@@ -79,7 +76,6 @@ impl Report {
             sharp_angles: sharp::sharp_angles(&model.complex),
             arrangement: model.statistics,
             repairs: model.repairs.clone(),
-            warnings: model.warnings.clone(),
             timings: model.timings.stages.clone(),
             total: model.timings.total(),
         }

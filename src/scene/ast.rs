@@ -2,14 +2,44 @@
 //!
 //! All fields are optional here and hold their text; [`super::reader`] says what is missing or wrong, with its place.
 
+use super::fields::{self, Stray, Written};
 use super::source::{Field, Raw};
 use serde::Deserialize;
+use std::borrow::Cow;
 
 macro_rules! nodes {
     ($($name:ident { $($field:ident),* $(,)? })*) => {$(
-        #[derive(Deserialize, Default)]
-        #[serde(default, deny_unknown_fields, rename_all = "snake_case")]
-        pub(super) struct $name<'a> { $(#[serde(borrow)] pub $field: Field<'a>,)* }
+        #[derive(Default)]
+        pub(super) struct $name<'a> {
+            $(pub $field: Field<'a>,)*
+            strays: Vec<Stray<'a>>,
+        }
+        impl<'de: 'a, 'a> Deserialize<'de> for $name<'a> {
+            fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                let (values, strays) = fields::read(deserializer, stringify!($name), &[$(stringify!($field)),*])?;
+                let mut values = values.into_iter();
+                Ok(Self { $($field: values.next().unwrap_or_default(),)* strays })
+            }
+        }
+        impl<'a> Written<'a> for $name<'a> {
+            fn strays(&self) -> &[Stray<'a>] {
+                &self.strays
+            }
+        }
+    )*};
+}
+
+/// Kinds that hold a node or another value each.
+macro_rules! kinds {
+    ($($(#[$doc:meta])* $name:ident { $($kind:ident($content:ty)),* $(,)? })*) => {$(
+        $(#[$doc])*
+        #[derive(Deserialize)]
+        pub(super) enum $name<'a> { $($kind(#[serde(borrow)] $content),)* }
+        impl<'a> Written<'a> for $name<'a> {
+            fn strays(&self) -> &[Stray<'a>] {
+                match self { $(Self::$kind(content) => content.strays(),)* }
+            }
+        }
     )*};
 }
 
@@ -72,71 +102,59 @@ primitives! {
     Import { file, unit, scale, tolerance }
 }
 
-/// A solid.
-#[derive(Deserialize)]
-pub(super) enum Solid<'a> {
-    #[serde(borrow)]
-    Block(Block<'a>),
-    Prism(Prism<'a>),
-    Pyramid(Pyramid<'a>),
-    Cylinder(Cylinder<'a>),
-    Tube(Tube<'a>),
-    Cone(Cone<'a>),
-    Frustum(Frustum<'a>),
-    Sphere(Sphere<'a>),
-    Ellipsoid(Ellipsoid<'a>),
-    Torus(Torus<'a>),
-    Extrude(Extrude<'a>),
-    Revolve(Revolve<'a>),
-    Sweep(Sweep<'a>),
-    Import(Import<'a>),
-    Union(Vec<Raw<'a>>),
-    Difference(Vec<Raw<'a>>),
-    Intersection(Vec<Raw<'a>>),
-    Xor(Vec<Raw<'a>>),
-    Translate(Translate<'a>),
-    Rotate(Rotate<'a>),
-    Scale(Scale<'a>),
-    Mirror(Mirror<'a>),
-    Linear(Linear<'a>),
-    Polar(Polar<'a>),
-    Use(String),
-}
-
-/// Copies of a part.
-#[derive(Deserialize)]
-pub(super) enum Copies<'a> {
-    #[serde(borrow)]
-    Linear(Linear<'a>),
-    Polar(Polar<'a>),
-}
-
-/// A named boundary of a part.
-#[derive(Deserialize)]
-pub(super) enum Boundary<'a> {
-    #[serde(borrow)]
-    Outer(Outer<'a>),
-    Side(Side<'a>),
-}
-
-/// A closed or open curve in the plane.
-#[derive(Deserialize)]
-pub(super) enum Curve<'a> {
-    #[serde(borrow)]
-    Circle(Circle<'a>),
-    Rectangle(Rectangle<'a>),
-    RoundedRectangle(RoundedRectangle<'a>),
-    RegularPolygon(RegularPolygon<'a>),
-    Polygon(Vec<Raw<'a>>),
-    Path(PathNode<'a>),
-}
-
-/// A piece of a path.
-#[derive(Deserialize)]
-pub(super) enum Segment<'a> {
-    #[serde(borrow)]
-    Line(Line<'a>),
-    Arc(Arc<'a>),
+kinds! {
+    /// A solid.
+    Solid {
+        Block(Block<'a>),
+        Prism(Prism<'a>),
+        Pyramid(Pyramid<'a>),
+        Cylinder(Cylinder<'a>),
+        Tube(Tube<'a>),
+        Cone(Cone<'a>),
+        Frustum(Frustum<'a>),
+        Sphere(Sphere<'a>),
+        Ellipsoid(Ellipsoid<'a>),
+        Torus(Torus<'a>),
+        Extrude(Extrude<'a>),
+        Revolve(Revolve<'a>),
+        Sweep(Sweep<'a>),
+        Import(Import<'a>),
+        Union(Vec<Raw<'a>>),
+        Difference(Vec<Raw<'a>>),
+        Intersection(Vec<Raw<'a>>),
+        Xor(Vec<Raw<'a>>),
+        Translate(Translate<'a>),
+        Rotate(Rotate<'a>),
+        Scale(Scale<'a>),
+        Mirror(Mirror<'a>),
+        Linear(Linear<'a>),
+        Polar(Polar<'a>),
+        Use(Cow<'a, str>),
+    }
+    /// Copies of a part.
+    Copies {
+        Linear(Linear<'a>),
+        Polar(Polar<'a>),
+    }
+    /// A named boundary of a part.
+    Boundary {
+        Outer(Outer<'a>),
+        Side(Side<'a>),
+    }
+    /// A closed or open curve in the plane.
+    Curve {
+        Circle(Circle<'a>),
+        Rectangle(Rectangle<'a>),
+        RoundedRectangle(RoundedRectangle<'a>),
+        RegularPolygon(RegularPolygon<'a>),
+        Polygon(Vec<Raw<'a>>),
+        Path(PathNode<'a>),
+    }
+    /// A piece of a path.
+    Segment {
+        Line(Line<'a>),
+        Arc(Arc<'a>),
+    }
 }
 
 /// A coordinate axis.

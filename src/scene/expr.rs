@@ -11,6 +11,7 @@
 //! Every quantity is a plain number, a power of a length or an angle. Plain numbers go with everything (they are in the scene's
 //! unit, or degrees); lengths and angles do not go with each other.
 
+use super::fault::{decimal_comma, decimal_point};
 use super::units::{UNITS, Unit};
 use crate::diag::Diagnostic;
 use std::f64::consts::PI;
@@ -56,8 +57,13 @@ pub(super) fn evaluate(
     match parser.peek() {
         None => Ok(value),
         Some(c) => {
-            let hint = "between two quantities stands + - * / or ^, between arguments a comma; the decimal sign is a point";
-            parser.fail("expression", format!("unexpected `{c}` in the expression \"{text}\""), hint)
+            let hint = match decimal_comma(text, parser.at) {
+                Some((_, number)) => decimal_point(number),
+                None => {
+                    "between two quantities stands + - * / or ^, between arguments a comma; the decimal sign is a point".into()
+                }
+            };
+            parser.fail("expression", format!("unexpected `{c}` in the expression \"{text}\""), &hint)
         }
     }
 }

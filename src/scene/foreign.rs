@@ -80,7 +80,7 @@ pub(super) fn told(path: &Path) -> Option<Diagnostic> {
     };
     let example = |file| format!(": Scene(units: \"mm\", parts: [Part(name: \"a\", solid: Import(file: {file:?}))])");
     let hint = kind.hint.to_owned() + &file.map_or_else(String::new, example);
-    Some(Diagnostic::error("no-scene", format!("this is {}, not a scene", kind.what)).hint(hint))
+    Some(Diagnostic::usage("no-scene", format!("this is {}, not a scene", kind.what)).hint(hint))
 }
 
 #[cfg(test)]

@@ -34,10 +34,12 @@ pub(super) struct Planter<'l> {
     /// Leaves by a number made from their coordinates; looked up only.
     known: HashMap<u64, Vec<LeafId>>,
     limits: &'l Limits,
-    bytes: f64,
-    /// Facets of the leaf that has the most, where it stands, and what would make them fewer.
-    pub largest: (f64, Span, &'static str),
+    facets: f64,
+    /// What each solid that is written makes of them.
+    shares: BTreeMap<Span, Share>,
     nodes: usize,
+    /// Numbers of copies that the patterns around make, from the outermost to the innermost.
+    counts: Vec<usize>,
     /// Motions from the outermost to the innermost.
     motions: Vec<Motion>,
     /// Names of the solids around, and those that every leaf of the part got.
@@ -54,23 +56,33 @@ impl<'l> Planter<'l> {
             leaves,
             known,
             limits,
-            bytes: 0.0,
-            largest: (0.0, Span::default(), ""),
+            facets: 0.0,
+            shares: BTreeMap::new(),
             nodes: 0,
+            counts: Vec::new(),
             motions,
             names: Vec::new(),
             named: BTreeMap::new(),
         }
     }
 
-    /// `tree` after `motion`, as a Boolean expression over leaves; `named` then holds its leaves by name.
+    /// `tree` after `motion`, as a Boolean expression over leaves; `named` then holds its leaves by name. It is one of `copies`
+    /// that the part has.
     ///
     /// Errors: more nodes or more memory than the limits allow; coordinates out of range.
-    pub fn plant(&mut self, tree: &Tree, motion: Option<Motion>, settings: Settings, part: Span) -> Result<Node, Diagnostic> {
+    pub fn plant(
+        &mut self,
+        tree: &Tree,
+        motion: Option<Motion>,
+        copies: usize,
+        settings: Settings,
+        part: Span,
+    ) -> Result<Node, Diagnostic> {
         self.named.clear();
         self.names.clear();
         self.motions.clear();
         self.motions.extend(motion);
+        self.counts = vec![copies];
         self.node(tree, settings, part)
     }
 
@@ -88,12 +100,14 @@ impl<'l> Planter<'l> {
             }
             Tree::Copies(motions, inner) => {
                 let mut copies = Vec::new();
+                self.counts.push(motions.len());
                 for motion in motions {
                     self.motions.push(*motion);
                     let copy = self.node(inner, settings, part);
                     self.motions.pop();
                     copies.push(copy?);
                 }
+                self.counts.pop();
                 match copies.pop() {
                     Some(only) if copies.is_empty() => Ok(only),
                     last => Ok(Node::Boolean(Operation::Union, copies.into_iter().chain(last).collect())),
@@ -110,11 +124,17 @@ impl<'l> Planter<'l> {
 
     /// A warning if the leaves have very many facets.
     pub fn forecast(&self) -> Option<Diagnostic> {
-        let (total, (facets, span, remedy)) = (self.bytes / BYTES_PER_FACET, self.largest);
-        (total >= MANY_FACETS).then(|| {
-            let message = format!("building takes long: about {total:.2e} facets, {facets:.2e} of them on this solid");
-            Diagnostic::warning("many-facets", message).at(span).hint(format!("{remedy}, if that is fine enough"))
-        })
+        let total = self.facets;
+        let (span, share) = self.heaviest().filter(|_| total >= MANY_FACETS)?;
+        let (facets, whose) = (share.facets, share.whose());
+        let message = format!("building takes long: about {total:.2e} facets, {facets:.2e} of them on {whose}");
+        Some(Diagnostic::warning("many-facets", message).at(span).hint(format!("{}, if that is enough", share.hint())))
+    }
+
+    /// The solid of the most facets, all copies together, and where it is written.
+    fn heaviest(&self) -> Option<(Span, &Share)> {
+        let most = self.shares.iter().max_by(|a, b| a.1.facets.total_cmp(&b.1.facets));
+        most.map(|(span, share)| (*span, share))
     }
 
     fn leaf(&mut self, local: &LocalLeaf, settings: Settings) -> Result<LeafId, Diagnostic> {
@@ -158,22 +178,76 @@ impl<'l> Planter<'l> {
             return Ok(id);
         }
         let facets = facet_estimate(&leaf);
-        let bytes = self.bytes + BYTES_PER_FACET * facets;
-        let (code, what, remedy) = match leaf.primitive {
-            Primitive::Import { .. } => ("too-many-facets", "the facets up to this surface", "reduce it before it is imported"),
-            _ => ("too-many-segments", "this discretization", "use fewer segments, or a larger max_angle or max_chord_error"),
-        };
-        if bytes > self.limits.memory {
-            let message = format!("{what} would need more than {:.1} GB of memory", self.limits.memory / 1e9);
-            return Err(Diagnostic::error(code, message).at(leaf.span).hint(remedy));
-        }
-        self.bytes = bytes;
-        if facets > self.largest.0 {
-            self.largest = (facets, leaf.span, remedy);
+        self.facets += facets;
+        let share = self.shares.entry(leaf.span).or_insert_with(|| Share::of(&leaf));
+        share.facets += facets;
+        share.leaves += 1;
+        share.counts.clone_from(&self.counts);
+        share.counts.retain(|&count| count > 1);
+        if BYTES_PER_FACET * self.facets > self.limits.memory {
+            let (span, share) = self.heaviest().unwrap_or((leaf.span, &self.shares[&leaf.span]));
+            return Err(share.fault(self.limits.memory).at(span));
         }
         let id = self.leaves.push(leaf);
         self.known.entry(key).or_default().push(id);
         Ok(id)
+    }
+}
+
+/// What one solid that is written makes of all facets.
+struct Share {
+    facets: f64,
+    /// Its leaves, each in a place of its own.
+    leaves: usize,
+    /// Copies that the patterns around the last one make, from the outermost to the innermost.
+    counts: Vec<usize>,
+    is_import: bool,
+}
+
+impl Share {
+    /// That of the solid of this leaf, before it is counted.
+    fn of(leaf: &Leaf) -> Self {
+        let is_import = matches!(leaf.primitive, Primitive::Import { .. });
+        Self { facets: 0.0, leaves: 0, counts: Vec::new(), is_import }
+    }
+
+    /// All copies, also those that are not made yet.
+    fn copies(&self) -> usize {
+        self.counts.iter().fold(1, |product: usize, &count| product.saturating_mul(count)).max(self.leaves)
+    }
+
+    /// The numbers that multiply: ` (30 x 30 x 30)`; nothing where one number says it all.
+    fn factors(&self) -> String {
+        let factors: Vec<String> = self.counts.iter().map(usize::to_string).collect();
+        if factors.len() > 1 { format!(" ({})", factors.join(" x ")) } else { String::new() }
+    }
+
+    fn whose(&self) -> String {
+        match self.copies() {
+            1 => "this solid".to_owned(),
+            n => format!("{n} copies{} of this solid", self.factors()),
+        }
+    }
+
+    /// What makes the facets fewer.
+    fn hint(&self) -> String {
+        let finer = match self.is_import {
+            true => "reduce it before it is imported",
+            false => "use fewer segments, or a larger max_angle or max_chord_error",
+        };
+        match self.copies() {
+            1 => finer.to_owned(),
+            _ => format!("make fewer copies (`count` in the patterns around it), or {finer}"),
+        }
+    }
+
+    fn fault(&self, memory: f64) -> Diagnostic {
+        let (code, what) = match (self.copies(), self.is_import) {
+            (1, true) => ("too-many-facets", "the facets up to this surface".to_owned()),
+            (1, false) => ("too-many-segments", "this discretization".to_owned()),
+            _ => ("too-many-facets", format!("{} with {:.0} facets each", self.whose(), self.facets / self.leaves as f64)),
+        };
+        Diagnostic::error(code, format!("{what} would need more than {:.1} GB of memory", memory / 1e9)).hint(self.hint())
     }
 }
 

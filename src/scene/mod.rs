@@ -14,6 +14,7 @@ mod ast;
 mod curves;
 mod expr;
 mod fault;
+mod fields;
 mod foreign;
 mod frames;
 mod interfaces;
@@ -97,7 +98,7 @@ pub fn load(path: &Path, overrides: &[(String, String)], limits: &Limits) -> Out
 fn read_text(path: &Path, limits: &Limits) -> Result<String, Diagnostic> {
     let fault = |code, what: &str, hint: &str| Diagnostic::error(code, what).hint(hint);
     let missing = |error: std::io::Error| {
-        fault("missing-file", &error.to_string(), "give the path of a scene file; `gsm new` writes one to start from")
+        Diagnostic::unreadable("missing-file", path, &error).hint("a scene is a text file; `gsm new` writes one to start from")
     };
     let file = std::fs::File::open(path).map_err(missing)?;
     if let Some(fault) = foreign::told(path) {

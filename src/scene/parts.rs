@@ -21,6 +21,8 @@ pub(super) struct Parts<'l> {
     pub planter: Planter<'l>,
     /// Names given so far, with their places.
     names: BTreeMap<String, Span>,
+    /// Names by which interfaces can call parts, also faulty ones: those of all parts, and those that copies share.
+    callable: BTreeSet<String>,
     /// Names shared by copies.
     patterns: BTreeSet<String>,
     /// Whether some could not be read, so that a name that is not known may be one of them.
@@ -61,6 +63,7 @@ impl<'l> Parts<'l> {
             boundaries: IdVec::new(),
             planter,
             names: BTreeMap::new(),
+            callable: BTreeSet::new(),
             patterns: BTreeSet::new(),
             is_incomplete: false,
         }
@@ -69,7 +72,8 @@ impl<'l> Parts<'l> {
     /// Reads one part and appends it, or its copies.
     pub fn add<'a>(&mut self, solids: &mut SolidReader<'_, 'a>, raw: Raw<'a>, settings: Settings) {
         let pattern = read_part(solids, raw, settings);
-        self.is_incomplete |= pattern.as_ref().is_none_or(|p| p.name.is_none() || p.body.is_none());
+        // Of a faulty part that is repeated, not all copies are named.
+        self.is_incomplete |= pattern.as_ref().is_none_or(|p| p.name.is_none() || (p.body.is_none() && p.motions.is_some()));
         if let Some(pattern) = pattern {
             self.append(solids.reader, &pattern);
         }
@@ -82,7 +86,7 @@ impl<'l> Parts<'l> {
 
     /// The names by which interfaces can call parts, none twice.
     pub fn callable(&self) -> BTreeSet<&str> {
-        self.parts.iter().map(|p| p.name.as_str()).chain(self.patterns.iter().map(String::as_str)).collect()
+        self.callable.iter().map(String::as_str).collect()
     }
 
     fn append<'a>(&mut self, reader: &mut Reader<'a>, pattern: &Pattern<'a>) {
@@ -91,6 +95,7 @@ impl<'l> Parts<'l> {
             None => single.to_vec(),
             Some(motions) => motions.iter().map(|m| Some(*m)).collect(),
         };
+        let count = motions.len();
         for (k, motion) in motions.into_iter().enumerate() {
             let numbered = |name: &str| match &pattern.motions {
                 None => name.to_owned(),
@@ -103,9 +108,10 @@ impl<'l> Parts<'l> {
             for (name, boundary) in &boundaries {
                 is_new &= self.claim(reader, name, boundary.at, "boundary");
             }
-            if let (Some(name), Some(body)) = (name, &pattern.body) {
+            self.callable.extend(name.clone());
+            if let Some(body) = &pattern.body {
                 let span = reader.span(pattern.at);
-                let solid = match self.planter.plant(&body.tree, motion, body.settings, span) {
+                let solid = match self.planter.plant(&body.tree, motion, count, body.settings, span) {
                     Ok(solid) => solid,
                     Err(fault) => return reader.fault(fault),
                 };
@@ -113,13 +119,15 @@ impl<'l> Parts<'l> {
                 let material = body.material.clone();
                 let copy_of = motion.and(pattern.name.clone());
                 self.patterns.extend(copy_of.clone());
+                self.callable.extend(copy_of.clone());
+                let name = name.unwrap_or_default();
                 let part = self.parts.push(Part { name, copy_of, material, solid, max_edge, max_volume, span });
                 for (name, boundary) in boundaries {
                     self.add_boundary(reader, boundary, part, name);
                 }
             }
             // The other copies would say the same; those of a faulty part are never made, and may be any number.
-            if !is_new || pattern.body.is_none() {
+            if !is_new || pattern.name.is_none() || pattern.body.is_none() {
                 return;
             }
         }
@@ -208,15 +216,17 @@ fn read_part<'a>(solids: &mut SolidReader<'_, 'a>, raw: Raw<'a>, scene: Settings
     let division = reader.maybe(node.discretization, Reader::division);
     let is_triangulated = reader.read_or(node.triangulated, scene.is_triangulated);
     let motions = reader.maybe(node.copies, read_copies);
-    let (boundaries, are_good) = read_boundaries(reader, node.boundaries);
+    let boundaries = read_boundaries(reader, node.boundaries);
     let solid = reader.need(owner, "solid", node.solid).and_then(|raw| solids.solid(raw));
-    let body = || {
-        let settings = Settings { division: division?.unwrap_or(scene.division), is_triangulated: is_triangulated? };
-        let (material, max_edge, max_volume) = (material?, max_edge?, max_volume?);
-        are_good.then_some(Body { material, max_edge, max_volume, settings, tree: solid? })
+    let settings = Settings {
+        division: division.flatten().unwrap_or(scene.division),
+        is_triangulated: is_triangulated.unwrap_or(scene.is_triangulated),
     };
+    let (material, max_edge, max_volume) = (material.flatten(), max_edge.flatten(), max_volume.flatten());
+    // Whatever else is faulty, the sides that boundaries name are looked for in the solid.
+    let body = solid.map(|tree| Body { material, max_edge, max_volume, settings, tree });
     // How often a part with faulty copies is repeated, and so what its names are, nobody knows.
-    Some(Pattern { name, at: raw, motions: motions?, boundaries, body: body() })
+    Some(Pattern { name, at: raw, motions: motions?, boundaries, body })
 }
 
 fn read_copies<'a>(reader: &mut Reader<'a>, raw: Raw<'a>) -> Option<Vec<Motion>> {
@@ -233,13 +243,10 @@ fn read_copies<'a>(reader: &mut Reader<'a>, raw: Raw<'a>) -> Option<Vec<Motion>>
     }
 }
 
-/// The boundaries that could be read, and whether all could.
-fn read_boundaries<'a>(reader: &mut Reader<'a>, field: Field<'a>) -> (Vec<Named<'a>>, bool) {
-    let Some(list) = reader.read_or::<Vec<Raw>>(field, Vec::new()) else { return (Vec::new(), false) };
-    let count = list.len();
-    let named: Vec<Named> = list.into_iter().filter_map(|raw| read_boundary(reader, raw)).collect();
-    let are_good = named.len() == count;
-    (named, are_good)
+/// The boundaries that could be read.
+fn read_boundaries<'a>(reader: &mut Reader<'a>, field: Field<'a>) -> Vec<Named<'a>> {
+    let list = reader.read_or::<Vec<Raw>>(field, Vec::new()).unwrap_or_default();
+    list.into_iter().filter_map(|raw| read_boundary(reader, raw)).collect()
 }
 
 fn read_boundary<'a>(reader: &mut Reader<'a>, raw: Raw<'a>) -> Option<Named<'a>> {

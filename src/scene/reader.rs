@@ -3,13 +3,14 @@
 
 use super::ast;
 use super::expr::{self, Kind, Quantity, name_of};
+use super::fault::decimal_commas;
+use super::fields::Written;
 use super::motion::unit_vector;
 use super::params::Params;
 use super::source::{Field, Raw, Source};
 use super::units::Unit;
 use crate::diag::{Diagnostic, Span, short};
 use crate::geom::Vec3;
-use serde::Deserialize;
 
 /// Largest coordinate and length, in the scene's unit. With the smallest one, products of three stay far from overflow and
 /// underflow, as exact predicates need.
@@ -57,9 +58,9 @@ impl<'a> Reader<'a> {
         Self { source: Source::new(text), unit, params, faults: Vec::new(), warnings: Vec::new() }
     }
 
-    /// Reports a fault.
+    /// Reports a fault; copies say theirs again and again, which must not leave others without room.
     pub fn fault(&mut self, diagnostic: Diagnostic) {
-        if !self.is_full() {
+        if !self.is_full() && !self.faults.contains(&diagnostic) {
             self.faults.push(diagnostic);
         }
     }
@@ -96,11 +97,16 @@ impl<'a> Reader<'a> {
     }
 
     /// A value of type `T`.
-    pub fn read<T: Deserialize<'a>>(&mut self, raw: Raw<'a>) -> Option<T> {
-        self.source.read(raw).map_err(|diagnostic| self.fault(diagnostic)).ok()
+    pub fn read<T: Written<'a>>(&mut self, raw: Raw<'a>) -> Option<T> {
+        let value: T = self.source.read(raw).map_err(|diagnostic| self.fault(diagnostic)).ok()?;
+        for stray in value.strays() {
+            let span = self.span(stray.name);
+            self.fault(stray.fault().at(span));
+        }
+        Some(value)
     }
     /// The value of a field, or a default if it is absent.
-    pub fn read_or<T: Deserialize<'a>>(&mut self, field: Field<'a>, default: T) -> Option<T> {
+    pub fn read_or<T: Written<'a>>(&mut self, field: Field<'a>, default: T) -> Option<T> {
         field.0.map_or(Some(default), |raw| self.read(raw))
     }
     /// The value of a field that may be absent.
@@ -235,7 +241,9 @@ impl<'a> Reader<'a> {
         let count = values.len();
         values.try_into().ok().or_else(|| {
             let message = format!("`{label}` must be {N} values, {form}; here are {count}");
-            self.fail(raw, "wrong-length", message, "points of space are (x, y, z), those of a plane (x, y)")
+            let hint = decimal_commas(raw.0, count.saturating_sub(N));
+            let form = || "points of space are (x, y, z), those of a plane (x, y)".to_owned();
+            self.fail(raw, "wrong-length", message, hint.unwrap_or_else(form))
         })
     }
     /// A point of space.

@@ -342,7 +342,7 @@ fn interfaces_are_named_by_their_parts_in_either_order() {
         ("\"air|pole\": (max_edge: 1), \"pole|air\": (max_edge: 1)", "duplicate-name"),
         ("\"air|pole\": (max_edge: \"1 deg\")", "wrong-unit"),
         ("\"air|pole\": (max_edge: 0)", "not-positive"),
-        ("\"air|pole\": (max_edg: 0)", "unknown-field"),
+        ("\"air|pole\": (max_edg: 1)", "unknown-field"),
         ("\"air|pole\": ()", "missing-field"),
         ("\"air|pole\": 3", "wrong-type"),
     ] {
@@ -426,4 +426,11 @@ fn arcs_that_turn_back_or_are_too_small_say_how_to_write_them() {
     assert!(hint("Arc(to: (20, 0), center: (15, 0))").contains("right angle"));
     // From (10, 0) to (13, 4) are 5: the radius is 2.5 at least.
     assert!(hint("Arc(to: (13, 4), radius: 2)").contains("at least, 2.5,"));
+}
+
+#[test]
+fn faults_of_many_copies_hide_no_other() {
+    let text = "Scene(units: \"mm\", parts: [Part(name: \"a\", solid: Block(size: (1, 1, 1)), copies: Linear(count: 300, \
+                step: (2, 0, 0)), boundaries: [Side(name: \"t\", side: \"tpo\")]), Part(name: \"b\", solid: Sphere(radius: 0))])";
+    assert_eq!(codes(text), ["unknown-side", "not-positive"]);
 }

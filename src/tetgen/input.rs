@@ -97,6 +97,8 @@ impl Input {
             nodes: self.plc.vertices.clone().into(),
             regions: self.regions.iter().map(|(r, label)| (*r, label.name.clone())).collect(),
             markers: self.markers.clone(),
+            seeds: self.plc.seeds.clone(),
+            holes: self.plc.holes.clone(),
             ..Mesh::default()
         };
         for ((facet, list), sides) in self.plc.facets.iter().zip(&self.triangles).zip(&self.sides) {

@@ -298,6 +298,7 @@ impl Task<'_> {
         markers.restore(&mut mesh);
         place.restore(&input.plc, &mut mesh);
         verify::verify(&mesh, &place.outcome(input))?;
+        mesh.holes = input.plc.holes.clone();
         mesh.regions = input.regions.iter().map(|(r, label)| (*r, label.name.clone())).collect();
         mesh.markers = input.markers.clone();
         mesh.drop_unused_nodes();

@@ -10,3 +10,4 @@ mod write;
 
 pub use read::{is_plc, parse, read};
 pub use write::to_text;
+pub(super) use write::volumes;

@@ -45,14 +45,18 @@ fn load(path: &Path) -> Result<String, Diagnostic> {
         Diagnostic::error("cannot-read", format!("cannot read {}: {why}", path.display()))
             .hint("give the path of a .poly, .smesh or scene that can be read; a .node file stands beside its .poly")
     };
-    let size = std::fs::metadata(path).map_err(|e| refused(e.to_string()))?;
-    if !size.is_file() {
+    let unreadable = |e| {
+        Diagnostic::unreadable("cannot-read", path, &e)
+            .hint("give the path of a .poly or .smesh; a .node file stands beside it")
+    };
+    let size = std::fs::metadata(path).map_err(unreadable)?;
+    if !size.is_file() && !size.is_dir() {
         return Err(refused("it is no regular file".to_owned()));
     }
     if size.len() > MAX_BYTES {
         return Err(refused(format!("it is larger than {MAX_BYTES} bytes")));
     }
-    let text = with_line_feeds(std::fs::read_to_string(path).map_err(|e| refused(e.to_string()))?);
+    let text = with_line_feeds(std::fs::read_to_string(path).map_err(unreadable)?);
     // Some editors begin a file with a byte order mark.
     Ok(match text.strip_prefix('\u{feff}') {
         Some(rest) => rest.to_owned(),

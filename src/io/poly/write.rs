@@ -2,7 +2,7 @@
 
 use crate::geom::Vec3;
 use crate::io::manifest::Manifest;
-use crate::plc::{Plc, PlcFacet};
+use crate::plc::{Plc, PlcFacet, Seed};
 use rayon::prelude::*;
 use std::fmt::{self, Write};
 
@@ -27,12 +27,17 @@ fn write_all(out: &mut String, plc: &Plc, manifest: Option<&Manifest>) -> fmt::R
     writeln!(out, "# facets: polygons holes marker; vertex count and vertices of each polygon; points in holes")?;
     writeln!(out, "{} 1", plc.facets.len())?;
     each(out, &plc.facets, |out, _, f| facet(out, f))?;
-    writeln!(out, "# voids: number x y z\n{}", plc.holes.len())?;
-    for (k, p) in plc.holes.iter().enumerate() {
+    volumes(out, &plc.holes, &plc.seeds)
+}
+
+/// The last two lists of a .poly or .smesh.
+pub(in crate::io) fn volumes(out: &mut String, holes: &[Vec3], seeds: &[Seed]) -> fmt::Result {
+    writeln!(out, "# voids: number x y z\n{}", holes.len())?;
+    for (k, p) in holes.iter().enumerate() {
         numbered(out, k, p)?;
     }
-    writeln!(out, "# regions: number x y z region max_volume\n{}", plc.seeds.len())?;
-    for (k, s) in plc.seeds.iter().enumerate() {
+    writeln!(out, "# regions: number x y z region max_volume\n{}", seeds.len())?;
+    for (k, s) in seeds.iter().enumerate() {
         let [x, y, z]: [f64; 3] = s.point.into();
         let limit = s.max_volume.unwrap_or(NO_LIMIT);
         writeln!(out, "{} {x:?} {y:?} {z:?} {} {limit:?}", k + 1, s.region)?;
