@@ -177,6 +177,23 @@ fn splits_shorten_edges_that_stand_upright_on_their_surface() {
     assert!(count > 0);
 }
 
+/// Turns of wire that touch their core had every attempt broken off twice, the second time with twice as many triangles.
+#[test]
+fn a_surface_that_broke_an_attempt_off_is_not_tried_closer() {
+    let complex = cylinder(50.0, 200.0, 24);
+    let supports = supports_of(&complex, RemeshOptions::default().patches);
+    let give_up = |is_done| {
+        let choice = Choice { is_chosen: vec![true; complex.facets.len()], slides: Vec::new() };
+        let mut retreat = Retreat { shares: vec![1.0; 3], choice, round: 0.0 };
+        let place = Aabb::around(&[Vec3::new(50.0, 0.0, 90.0), Vec3::new(50.0, 0.0, 91.0)]);
+        let fault = Fault { surface: SurfaceId(0), place, is_contact: true };
+        assert!(retreat.give_up(&[fault], is_done, &complex, &supports));
+        (retreat.shares[0], retreat.choice.is_chosen.contains(&false))
+    };
+    assert_eq!(give_up(true), (CLOSER_SHARE, false));
+    assert_eq!(give_up(false), (1.0, true));
+}
+
 #[test]
 fn off_changes_nothing() {
     let before = cylinder(1.0, 1.0, 8);
