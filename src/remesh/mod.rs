@@ -132,7 +132,7 @@ pub fn remesh(complex: Complex, options: &RemeshOptions, parts: &IdVec<PartId, P
         let mut faults = work.faults();
         // Half done, it has needles that would go.
         faults.retain(|f| is_done || f.is_contact);
-        let is_last = !retreat.give_up(&faults, &complex, &supports) || left == 0;
+        let is_last = !retreat.give_up(&faults, is_done, &complex, &supports) || left == 0;
         if is_last && faults.iter().all(|f| !f.is_contact) {
             let cleared = rough.and_then(|rough| rough.cleared(&limits, faults.len()));
             let work = cleared.unwrap_or(work);
@@ -190,10 +190,11 @@ impl Retreat {
     }
 
     /// A surface whose facets meet others for the first time is to keep closer to its true shape, if that is known; after that,
-    /// and where there are needles, its facets stay as they are. Whether anything was given up.
-    fn give_up(&mut self, faults: &[Fault], complex: &Complex, supports: &Supports) -> bool {
+    /// where there are needles, or where an attempt was not done because too many met, its facets stay as they are: chords of half
+    /// the deviation are hardly shorter than those that were far too long. Whether anything was given up.
+    fn give_up(&mut self, faults: &[Fault], is_done: bool, complex: &Complex, supports: &Supports) -> bool {
         let is_exact = |s: SurfaceId| supports[s].as_ref().is_some_and(|s| !s.is_fitted());
-        let is_new = |f: &&Fault| f.is_contact && self.shares[f.surface.index()] == 1.0 && is_exact(f.surface);
+        let is_new = |f: &&Fault| is_done && f.is_contact && self.shares[f.surface.index()] == 1.0 && is_exact(f.surface);
         let (new, again): (Vec<&Fault>, Vec<&Fault>) = faults.iter().partition(is_new);
         for fault in &new {
             self.shares[fault.surface.index()] = CLOSER_SHARE;

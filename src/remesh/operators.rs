@@ -21,9 +21,11 @@ use crate::primitive::solid::Freedom;
 const LEAST_GAIN: f64 = 3e-3;
 const NEEDLE_GAIN: f64 = 0.2;
 
-/// Least part of an edge that a split leaves on each side. Sites lie at a third to a half of it; beside the end of a surface
-/// that is a guess, the nearest point may be that of an end instead, and the same edge would be split again and again.
-const LEAST_PIECE: f64 = 0.1;
+/// Longest piece of an edge that a split may leave, so that splitting comes to an end: then no piece is shorter than a tenth,
+/// either. Sites lie at a third to a half, and on the arc above them; but beside the end of a surface that is a guess, or of an
+/// edge that stands away from its surface, the nearest point may be at an end or beyond, and the same edge would come back
+/// again and again.
+const LONGEST_PIECE: f64 = 0.9;
 
 /// The cosine of the smallest angle past which an angle is raised.
 pub(super) fn raised(cosine: f64) -> f64 {
@@ -81,15 +83,15 @@ impl Workpiece {
         };
         let home = self.home_of(place, &middle);
         let allowed = |at: &Vec3| {
-            treated.iter().all(|&f| self.split_keeps_sense(f, ends, at))
+            treated.iter().all(|&f| self.split_keeps_sense(f, ends, at, *at == middle))
                 && around
                     .iter()
                     .filter(|f| !treated.contains(f))
                     .all(|&f| self.polygon_stays_simple(f, Change::Insert { ends, at: *at }))
         };
-        let least = LEAST_PIECE * (b - a).norm();
-        let halves = |at: &Vec3| (at - a).norm() > least && (at - b).norm() > least;
-        let at = [home, middle].into_iter().find(|at| halves(at) && allowed(at))?;
+        let longest = LONGEST_PIECE * (b - a).norm();
+        let shortens = |at: &Vec3| (at - a).norm() < longest && (at - b).norm() < longest;
+        let at = [home, middle].into_iter().find(|at| shortens(at) && allowed(at))?;
         Some((place, at))
     }
 
@@ -151,13 +153,14 @@ impl Workpiece {
         Some(self.add_curve(Curve::Line { origin, direction }, &[strip]))
     }
 
-    fn split_keeps_sense(&self, facet: FacetId, [a, b]: [VertexId; 2], at: &Vec3) -> bool {
+    /// Whether the pieces of a triangle face the way their surface does; where it does not do so itself, they may face with it
+    /// if they stay in its plane.
+    fn split_keeps_sense(&self, facet: FacetId, [a, b]: [VertexId; 2], at: &Vec3, is_within: bool) -> bool {
         let Some(corners) = self.corners(facet) else { return false };
-        let before = self.measure_facet(facet);
+        let may_flip = is_within && self.measure_facet(facet).is_flipped;
         [a, b].iter().all(|gone| {
             let piece = corners.map(|v| if v == *gone { *at } else { self.point(v) });
-            let after = self.measure(facet, &piece);
-            !after.is_flipped || before.is_flipped
+            may_flip || !self.measure(facet, &piece).is_flipped
         })
     }
 }

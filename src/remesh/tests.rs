@@ -157,6 +157,43 @@ pub fn polished(complex: Complex, max_deviation: f64) -> Workpiece {
     work
 }
 
+/// Beside a strut through a thin shell, facets stood upright on the true sphere. The nearest point to the middle of an edge lay at
+/// its foot or beyond, so that splitting it gave as long an edge again, a hundred thousand times.
+#[test]
+fn splits_shorten_edges_that_stand_upright_on_their_surface() {
+    let mut work = polished(cylinder(50.0, 200.0, 24), 1.0);
+    let spike = work.active_vertices().into_iter().find(|&v| matches!(work.place(v), workpiece::Place::Surface(_))).unwrap();
+    let longest = work.active_edges().into_iter().map(|e| work.length(e)).fold(0.0, f64::max);
+    let foot = work.point(spike);
+    work.relocate(spike, foot + Vec3::new(foot.x, foot.y, 0.0).normalize() * (4.0 * longest));
+    let edges: Vec<_> = work.brep.topology.edges_at(spike).collect();
+    let mut count = 0;
+    for edge in edges {
+        let ends = work.brep.topology.ends(edge).map(|v| work.point(v));
+        let Some((_, at)) = work.site_of_split(edge) else { continue };
+        assert!(ends.iter().all(|end| (at - end).norm() < 0.9 * work.length(edge)));
+        count += 1;
+    }
+    assert!(count > 0);
+}
+
+/// Turns of wire that touch their core had every attempt broken off twice, the second time with twice as many triangles.
+#[test]
+fn a_surface_that_broke_an_attempt_off_is_not_tried_closer() {
+    let complex = cylinder(50.0, 200.0, 24);
+    let supports = supports_of(&complex, RemeshOptions::default().patches);
+    let give_up = |is_done| {
+        let choice = Choice { is_chosen: vec![true; complex.facets.len()], slides: Vec::new() };
+        let mut retreat = Retreat { shares: vec![1.0; 3], choice, round: 0.0 };
+        let place = Aabb::around(&[Vec3::new(50.0, 0.0, 90.0), Vec3::new(50.0, 0.0, 91.0)]);
+        let fault = Fault { surface: SurfaceId(0), place, is_contact: true };
+        assert!(retreat.give_up(&[fault], is_done, &complex, &supports));
+        (retreat.shares[0], retreat.choice.is_chosen.contains(&false))
+    };
+    assert_eq!(give_up(true), (CLOSER_SHARE, false));
+    assert_eq!(give_up(false), (1.0, true));
+}
+
 #[test]
 fn off_changes_nothing() {
     let before = cylinder(1.0, 1.0, 8);
