@@ -174,6 +174,23 @@ fn strips_along_a_plane_are_remeshed_in_bands_only() {
     assert!(least > 25.0 && below < 0.05, "{least} {below}");
 }
 
+/// Triangulated cylinders have no rulings, so that no bands are cut: whole triangles are remeshed, not those alone that have a
+/// corner off the cylinder. Strips with fitted patches have rulings as far as fits tell; once they were remeshed in their
+/// whole length beside others that stayed, with fans of 2 degrees.
+#[test]
+fn other_facets_than_strips_of_known_cylinders_are_remeshed() {
+    let scene = |options: &str| {
+        format!(
+            r#"Scene(units: "mm", {options}, parts: [Part(name: "cross", solid: Union([
+                Cylinder(radius: 100, height: 300), Cylinder(radius: 80, height: 400, base: (-200, 0, 150), axis: X)]))])"#
+        )
+    };
+    let (angle, below, _) = shape("triangulated", "interfaces", &scene("triangulated: true"));
+    assert!(angle > 30.0 && below == 0.0, "triangulated: {angle}");
+    let (angle, below, count) = shape("fitted", "interfaces", &scene("patches: BSpline"));
+    assert!(angle > 30.0 && below == 0.0 && count < 500, "fitted: {angle}, {count}");
+}
+
 /// The line along which a rod touches a wall is a loose segment of the wall's polygon; with vertices of the rod on it, too.
 #[test]
 fn a_wall_that_touches_a_rod_stays_whole() {

@@ -9,6 +9,8 @@ use nalgebra::Matrix3;
 /// A direction is straight on a surface if its curvature is below this fraction of the largest: far above rounding, far below
 /// what any facet could show.
 const STRAIGHT: f64 = 1e-6;
+/// The same on fitted patches, whose curvature is known to some per cent only.
+const STRAIGHT_AS_FITTED: f64 = 0.05;
 
 /// A point of a surface with its second-order neighbourhood.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -56,11 +58,6 @@ impl Foot {
     /// The magnitude of the larger principal curvature.
     pub fn largest_curvature(&self) -> f64 {
         self.principal_values()[0].abs()
-    }
-
-    /// Whether a direction is straight on the surface.
-    pub fn is_straight_along(&self, direction: &Vec3) -> bool {
-        self.curvature_along(direction).abs() <= STRAIGHT * self.largest_curvature()
     }
 
     /// Average of the principal curvatures (thesis 4.2.2, note i).
@@ -168,6 +165,12 @@ impl Support {
     /// Whether it is known by its facets only.
     pub fn is_fitted(&self) -> bool {
         matches!(self, Self::Fitted(_))
+    }
+
+    /// Whether a direction is straight on the surface at one of its points.
+    pub fn is_straight_along(&self, foot: &Foot, direction: &Vec3) -> bool {
+        let straight = if self.is_fitted() { STRAIGHT_AS_FITTED } else { STRAIGHT };
+        foot.curvature_along(direction).abs() <= straight * foot.largest_curvature()
     }
 
     /// Whether it is flat.

@@ -46,7 +46,7 @@ impl Choice {
         let is_off = strips.off_vertices();
         let hot = strips.hot_points(&is_off);
         let cuts = strips.cuts(&hot);
-        let is_ruled: Vec<bool> = complex.facets.ids().map(|f| strips.is_ruled(f)).collect();
+        let is_ruled: Vec<bool> = complex.facets.ids().map(|f| strips.is_ruled(f) && !strips.rulings(f).is_empty()).collect();
         let Strips { is_modified, .. } = strips;
         let mut slides = Vec::new();
         let mut marks = Marks::new();

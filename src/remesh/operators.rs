@@ -142,9 +142,10 @@ impl Workpiece {
         let topology = &self.brep.topology;
         let fin = topology.fins_around(edge).find(|&fin| topology.facet_of(fin) == strip)?;
         let [a, b] = topology.fin_ends(fin).map(|v| self.point(v));
-        let foot = self.support(strip)?.closest(&((a + b) * 0.5));
+        let support = self.support(strip)?;
+        let foot = support.closest(&((a + b) * 0.5));
         let direction = (b - a).try_normalize(0.0)?;
-        if !foot.is_straight_along(&direction) || self.brep.is_feature(edge) {
+        if !support.is_straight_along(&foot, &direction) || self.brep.is_feature(edge) {
             return None;
         }
         let is_exact = direction.iter().filter(|&&x| x == 0.0).count() == 2;

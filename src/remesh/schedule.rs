@@ -281,7 +281,7 @@ impl Workpiece {
         }
         let [a, b] = self.brep.topology.ends(edge).map(|v| self.point(v));
         let support = self.brep.topology.facets_around(edge).find(|&f| self.is_treated(f)).and_then(|f| self.support(f));
-        let is_straight = support.is_none_or(|s| s.closest(&((a + b) * 0.5)).is_straight_along(&(b - a)));
+        let is_straight = support.is_none_or(|s| s.is_straight_along(&s.closest(&((a + b) * 0.5)), &(b - a)));
         if is_straight { length } else { ACROSS * length }
     }
 

@@ -63,8 +63,9 @@ impl<'a> Strips<'a> {
         (!support.is_fitted() || self.is_modified[facet.index()]).then_some(support)
     }
 
-    fn is_flat(&self, facet: FacetId) -> bool {
-        self.supports[self.complex.facets[facet].surface].is_none()
+    /// Whether [`Self::support`] leaves out the support of a facet.
+    fn is_hidden(&self, facet: FacetId) -> bool {
+        self.supports[self.complex.facets[facet].surface].is_some() && self.support(facet).is_none()
     }
 
     /// Whether the surface of a facet is straight in one direction.
@@ -72,21 +73,23 @@ impl<'a> Strips<'a> {
         let Some(support) = self.support(facet) else { return false };
         let [a, b, c] = self.complex.facets[facet].triangles[0].map(|v| self.point(v));
         let foot = support.closest(&((a + b + c) / 3.0));
-        foot.is_straight_along(&foot.principal()[1].1)
+        support.is_straight_along(&foot, &foot.principal()[1].1)
     }
 
     /// Whether an edge is straight on the surface of a facet.
     pub fn is_straight_on(&self, [a, b]: Edge, facet: FacetId) -> bool {
-        let Some(support) = self.support(facet) else { return self.is_flat(facet) };
+        let Some(support) = self.support(facet) else { return !self.is_hidden(facet) };
         let (a, b) = (self.point(a), self.point(b));
         let foot = support.closest(&((a + b) * 0.5));
-        foot.is_straight_along(&(b - a))
+        support.is_straight_along(&foot, &(b - a))
     }
 
     /// Whether an edge is straight on all surfaces there, so that strips on all its sides can be cut at the same place: inside
     /// of a surface, or where another one meets it along a ruling.
     fn is_ruling(&self, edge: Edge) -> bool {
-        self.around(edge).all(|f| self.is_straight_on(edge, f))
+        // Facets whose support is hidden follow those that an intersection cut.
+        let mut known = self.around(edge).filter(|&f| !self.is_hidden(f)).peekable();
+        known.peek().is_some() && known.all(|f| self.is_straight_on(edge, f))
     }
 
     /// By vertex: whether an intersection of facets put it off one of its surfaces. Not so the ends of a line that is straight
