@@ -76,16 +76,28 @@ pub(super) struct Area<'a> {
 
 impl Area<'_> {
     /// The largest distance of a triangle's centre and of some other points from the support, as a fraction of what is allowed,
-    /// and whether the triangle faces the wrong way.
+    /// and whether the triangle faces the wrong way. Middles of edges and the circumcentre are where a sphere and a cylinder are
+    /// farthest off.
     pub fn deviation(&self, [a, b, c]: &[Vec3; 3], points: &[Vec3]) -> (f64, bool) {
         let normal = (b - a).cross(&(c - a)) * self.sense;
-        let center = (a + b + c) / 3.0;
+        let center = inner_center([a, b, c]);
         let foot = self.support.nearest(&center);
         let is_flipped = is_needle([a, b, c], NEEDLE_SINE) || normal.dot(&foot.normal) <= FLIPPED_COSINE * normal.norm();
         let allowed = self.bound.along(foot.curvature) * self.share;
         let deviation = points.iter().map(|p| self.support.distance(p)).fold((foot.point - center).norm(), f64::max);
         (deviation / allowed, is_flipped)
     }
+}
+
+/// The circumcentre of a triangle if it is acute, else the barycentre.
+fn inner_center([a, b, c]: [&Vec3; 3]) -> Vec3 {
+    // Squares of the edges opposite to the corners.
+    let [p, q, r] = [c - b, a - c, b - a].map(|e| e.norm_squared());
+    let shares = [p * (q + r - p), q * (r + p - q), r * (p + q - r)];
+    if shares.iter().any(|&s| s <= 0.0) {
+        return (a + b + c) / 3.0;
+    }
+    (a * shares[0] + b * shares[1] + c * shares[2]) / shares.iter().sum::<f64>()
 }
 
 /// The model under work.
@@ -315,4 +327,21 @@ impl Workpiece {
 /// Both orders of a pair as one key.
 pub(super) fn sorted([a, b]: [VertexId; 2]) -> [VertexId; 2] {
     if a <= b { [a, b] } else { [b, a] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sphere_is_farthest_off_at_the_circumcentre() {
+        // Corners of a circle of radius 0.6, 0.8 from the sphere's centre: angles of 40, 60 and 80 degrees.
+        let corner =
+            |degrees: f64| Vec3::new(0.6 * libm::cos(degrees.to_radians()), 0.6 * libm::sin(degrees.to_radians()), 0.8);
+        let acute = [0.0, 80.0, 200.0].map(corner);
+        let center = inner_center([&acute[0], &acute[1], &acute[2]]);
+        assert!((center - Vec3::new(0.0, 0.0, 0.8)).norm() < 1e-15 && (1.0 - center.norm() - 0.2).abs() < 1e-15);
+        let [a, b, c] = [0.0, 80.0, 100.0].map(corner);
+        assert_eq!(inner_center([&a, &b, &c]), (a + b + c) / 3.0, "obtuse: the middle of its longest edge is farther off");
+    }
 }
