@@ -3,7 +3,7 @@
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Solid modeler for electromagnetic finite elements: from a scene of parts to one valid piecewise linear complex.
 #[derive(Parser, Debug)]
@@ -48,6 +48,19 @@ pub enum Command {
     Convert(ConvertArgs),
     /// Write a commented scene to start from.
     New(NewArgs),
+}
+
+impl Command {
+    /// The file that the command is about, if the arguments name one.
+    pub fn file(&self) -> Option<&Path> {
+        match self {
+            Self::Build(args) => Some(&args.scene),
+            Self::Check(args) => Some(&args.path),
+            Self::Mesh(args) => Some(&args.path),
+            Self::Convert(args) => Some(&args.input),
+            Self::New(args) => args.output.as_deref(),
+        }
+    }
 }
 
 /// Arguments of `gsm build`.

@@ -9,7 +9,7 @@ use crate::plc::measure::{self, Measures};
 use crate::plc::{self, Plc};
 use crate::position::position;
 use crate::primitive;
-use crate::remesh::{self, forecast};
+use crate::remesh::{self, change, forecast};
 use crate::report::timing::Timings;
 use crate::round::Repairs;
 use crate::scene::model::{RemeshMode, Scene};
@@ -72,11 +72,15 @@ fn build(scene: Scene, mut warnings: Vec<Diagnostic>, mut timings: Timings) -> O
         timings.tell(std::slice::from_ref(&warning));
         warnings.push(warning);
     }
-    let complex = timings.measure("remesh", || remesh::remesh(evaluation.complex, &scene.remesh, &scene.parts))?;
     let is_remeshed = scene.remesh.mode != RemeshMode::Off;
+    let evaluated = is_remeshed.then(|| measure::measure(&evaluation.complex).by_part(&evaluation.complex, &scene.parts));
+    let complex = timings.measure("remesh", || remesh::remesh(evaluation.complex, &scene.remesh, &scene.parts))?;
     let complex = timings.measure("position", || position(complex, tolerance, is_remeshed));
     let plc = timings.measure("plc", || plc::build::build(&complex, &scene.parts))?;
     let measures = timings.measure("measure", || measure::measure(&complex));
+    if let Some(evaluated) = evaluated {
+        warnings.extend(change::warnings(&evaluated, &measures.by_part(&complex, &scene.parts), &scene));
+    }
     let manifest = Manifest::new(&scene, &complex, &measures, &plc);
     Ok(Model { scene, complex, measures, plc, manifest, statistics, repairs, warnings, timings })
 }

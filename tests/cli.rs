@@ -141,8 +141,13 @@ fn places_that_cannot_be_written_exit_1_and_change_nothing() {
     }
     assert_eq!(fs::read_to_string(folder.join("taken.poly")).unwrap(), "old");
     // Told before the work, which may take an hour, is begun.
-    for (command, place) in [("build", "missing/a.poly"), ("mesh", "missing/a.msh")] {
-        let run = gsm([command, "no.ron", "-o", place], &folder);
+    for arguments in [
+        &["build", "no.ron", "-o", "missing/a.poly"][..],
+        &["mesh", "no.ron", "-o", "missing/a.msh"],
+        &["convert", "no.msh", "missing/a.obj"],
+        &["new", "team07", "-o", "missing/a.ron"],
+    ] {
+        let run = gsm(arguments, &folder);
         let said = String::from_utf8(run.stderr).unwrap();
         assert!(run.status.code() == Some(1) && said.contains("error[cannot-write]") && said.contains("create it"), "{said}");
     }
@@ -215,6 +220,10 @@ fn what_is_written_is_listed_and_an_interface_that_boundaries_cover_is_not() {
     fs::write(folder.join("two.ron"), TWO).unwrap();
     let said = String::from_utf8(gsm(["build", "two.ron"], &folder).stdout).unwrap();
     assert!(said.contains("written: two.poly, two.gsm.json\n"), "{said}");
+    assert!(
+        said.ends_with("now: gsm mesh two.ron (tetrahedra for solvers) or gsm convert two.poly two.glb (for viewers)\n"),
+        "{said}"
+    );
     assert!(said.contains("skin") && said.contains("b|outer") && !said.contains("a|outer"), "{said}");
 }
 
@@ -258,6 +267,7 @@ fn nothing_is_written_over_the_file_that_is_read_or_under_a_name_of_another_form
         (&["build", "good.ron", "-o", "good.stl"], "unknown-format", 2),
         (&["build", "good.ron", "-o", "good"], "unknown-format", 2),
         (&["convert", "t.off", "./t.off"], "same-file", 2),
+        (&["mesh", "good.ron", "-o", "a.msh", "-o", "b.msh", "-o", "a.msh"], "same-file", 2),
         (&["convert", "good.ron", "t.obj"], "unknown-format", 2),
         (&["convert", "t.off", "t.foo"], "unknown-format", 2),
         (&["convert", "t.foo", "t.obj"], "unknown-format", 2),
@@ -352,6 +362,27 @@ fn all_commands_tell_scripts_what_is_wrong_alike() {
     assert_eq!(report(&["check", "no.poly"]), bad("no.poly", 1));
     assert_eq!(report(&["convert", "no.off", "a.obj"]), bad("no.off", 1));
     assert_eq!(report(&["convert", "a.poly", "a.foo"]), bad("a.poly", 2));
+}
+
+/// More threads than there is room for break the library that makes them: the one fault of gsm's own that can be had on demand.
+#[cfg(target_os = "linux")]
+#[test]
+fn faults_of_gsm_itself_have_the_shape_of_others() {
+    let folder = folder("cli-internal");
+    fs::write(folder.join("good.ron"), GOOD).unwrap();
+    assert_eq!(gsm(["build", "good.ron", "-q"], &folder).status.code(), Some(0));
+    let run = |option: &str| {
+        let limited = format!("ulimit -v 600000; exec '{}' check good.poly --threads 1024 {option}", env!("CARGO_BIN_EXE_gsm"));
+        Command::new("sh").args(["-c", &limited]).current_dir(&folder).output().unwrap()
+    };
+    let (text, json) = (run(""), run("--json"));
+    assert_eq!((text.status.code(), json.status.code()), (Some(70), Some(70)));
+    let said = String::from_utf8(text.stderr).unwrap();
+    assert!(text.stdout.is_empty() && said.contains("internal error") && said.contains("please report"), "{said}");
+    let report: Value = serde_json::from_slice(&json.stdout).unwrap();
+    let fault = &report["errors"][0];
+    assert_eq!((&report["file"], &fault["severity"]), (&Value::from("good.poly"), &Value::from("internal")));
+    assert!(json.stderr.is_empty() && report["warnings"].is_array() && fault["message"].is_string(), "{report}");
 }
 
 #[test]

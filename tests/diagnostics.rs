@@ -135,6 +135,27 @@ fn interfaces_that_are_none_are_told() {
     );
 }
 
+#[test]
+fn volumes_that_remeshing_changes_much_are_told() {
+    let scene = |deviation: &str| {
+        format!(
+            r#"Scene(units: "mm", remesh: Full, {deviation} parts: [
+            Part(name: "ball", solid: Sphere(radius: 20), copies: Linear(count: 2, step: (50, 0, 0))),
+            Part(name: "ring", solid: Torus(major_radius: 8, minor_radius: 2, center: (0, 50, 0)))])"#
+        )
+    };
+    let found = warnings("volume_coarse.ron", &scene("max_deviation: 0.7,"));
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert!(
+        found[0].starts_with("changed-volume: remeshing changed the volume of `ring` from 7") && found[0].contains(", by -")
+    );
+    assert_eq!(warnings("volume_fine.ron", &scene("max_deviation: 0.05,")), [""; 0]);
+    assert_eq!(warnings("volume_default.ron", &scene("")), [""; 0]);
+    // What copies share is told once.
+    let found = warnings("volume_copies.ron", &scene("max_deviation: 2,"));
+    assert!(found.len() == 2 && found[0].contains("`ball1`") && found[0].ends_with("(the first of 2 places)"), "{found:?}");
+}
+
 /// Longest edge of the facets of each curved interface.
 fn longest_edges(name: &str, settings: &str) -> BTreeMap<String, f64> {
     let text = format!(

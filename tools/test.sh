@@ -15,3 +15,4 @@ step cargo fmt --check
 step cargo clippy --locked --all-targets -- -D warnings
 step cargo test --locked
 step env RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps --document-private-items
+printf '\nall passed in %s s\n' "$SECONDS"

@@ -40,6 +40,13 @@ pub fn run(args: &BuildArgs, session: &mut Session) -> io::Result<Exit> {
         session.complain(&model.warnings, &args.scene, &model.scene.unit);
         if !session.common.quiet {
             session.out.write_all(text::render(&report).as_bytes())?;
+            let (scene, poly) = (args.scene.display(), path.display());
+            let picture = path.with_extension("glb");
+            writeln!(
+                session.out,
+                "now: gsm mesh {scene} (tetrahedra for solvers) or gsm convert {poly} {} (for viewers)",
+                picture.display()
+            )?;
         }
     }
     // The process ends: giving its memory back list by list would take as long as a small stage.

@@ -85,7 +85,7 @@ fn render(counts: Option<Counts>, findings: &[Diagnostic], args: &CheckArgs, uni
     let errors = findings.iter().filter(|d| d.severity > Severity::Warning).count();
     out += &match (errors, counts) {
         (0, Some(c)) => {
-            format!("{file}: valid: {} vertices, {} facets, {} regions, {} voids\n", c.vertices, c.facets, c.seeds, c.holes)
+            format!("{file}: valid: {} vertices, {} facets, {} pieces, {} voids\n", c.vertices, c.facets, c.seeds, c.holes)
         }
         (1, _) => format!("{file}: 1 finding\n"),
         (n, _) => format!("{file}: {n} findings\n"),

@@ -55,10 +55,14 @@ fn convert(args: &ConvertArgs) -> Result<Mesh, Vec<Diagnostic>> {
         let fault = Diagnostic::usage("unknown-format", "this is a scene, not a mesh or surface");
         return Err(one(fault.hint("`gsm build` makes a .poly of it, which `gsm convert` reads; `gsm mesh` makes a mesh")));
     }
-    if let Some(fault) = session::overwriting(&args.input, std::slice::from_ref(&args.output)) {
+    let outputs = std::slice::from_ref(&args.output);
+    if let Some(fault) = session::overwriting(&args.input, outputs) {
         return Err(one(fault));
     }
     let format = with_version(Format::of(&args.output).map_err(one)?, args.msh);
+    if let Some(fault) = session::missing_folder(outputs) {
+        return Err(one(fault));
+    }
     let manifest = Manifest::beside(&args.input).map_err(one)?;
     let unit = args.unit.clone().or_else(|| manifest.as_ref().map(|m| m.unit.clone()));
     let meters = match &unit {

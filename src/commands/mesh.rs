@@ -71,6 +71,7 @@ pub fn run(args: &MeshArgs, session: &mut Session) -> io::Result<Exit> {
     };
     let unknown = args.output.iter().find_map(|path| Format::of(path).err());
     let misplaced = unknown.or_else(|| session::overwriting(&args.path, &args.output));
+    let misplaced = misplaced.or_else(|| session::written_twice(&args.output));
     if let Some(fault) = misplaced.or_else(|| session::missing_folder(&args.output)) {
         let exit = Exit::of(std::slice::from_ref(&fault));
         return complain(vec![fault], args, session, exit);

@@ -1,6 +1,6 @@
 //! `gsm new`: a commented scene to start from.
 
-use super::session::{Exit, Session};
+use super::session::{self, Exit, Session};
 use crate::cli::{NewArgs, Template};
 use crate::diag::Diagnostic;
 use crate::io::atomic::{self, NewFile};
@@ -29,6 +29,8 @@ pub fn run(args: &NewArgs, session: &mut Session) -> io::Result<Exit> {
     let written = if path.exists() {
         Err(Diagnostic::error("already-there", format!("{} is there already", path.display()))
             .hint("choose another place with -o, or remove it"))
+    } else if let Some(fault) = session::missing_folder(std::slice::from_ref(&path)) {
+        Err(fault)
     } else {
         atomic::write_all(&[NewFile { path: path.clone(), content: text.as_bytes() }])
     };

@@ -152,7 +152,14 @@ pub fn overwriting(input: &Path, outputs: &[PathBuf]) -> Option<Diagnostic> {
     let input = std::fs::canonicalize(input).ok()?;
     let same = outputs.iter().find(|output| std::fs::canonicalize(output).is_ok_and(|o| o == input))?;
     let message = format!("{} is the file that is read: it would be overwritten", same.display());
-    Some(Diagnostic::usage("same-file", message).hint("name another file with -o"))
+    Some(Diagnostic::usage("same-file", message).hint("name another file to write to"))
+}
+
+/// The fault of writing two outputs to one file.
+pub fn written_twice(outputs: &[PathBuf]) -> Option<Diagnostic> {
+    let (_, twice) = outputs.iter().enumerate().find(|&(k, output)| outputs[..k].contains(output))?;
+    let message = format!("{} is named twice: one output would replace the other", twice.display());
+    Some(Diagnostic::usage("same-file", message).hint("name each file once"))
 }
 
 /// The fault of writing into a folder that is not there.
@@ -160,7 +167,7 @@ pub fn missing_folder(outputs: &[PathBuf]) -> Option<Diagnostic> {
     let folders = outputs.iter().filter_map(|output| output.parent()).filter(|folder| !folder.as_os_str().is_empty());
     let folder = folders.into_iter().find(|folder| !folder.is_dir())?;
     let message = format!("cannot write into {}: there is no such folder", folder.display());
-    Some(Diagnostic::error("cannot-write", message).hint("create it, or choose another place with -o"))
+    Some(Diagnostic::error("cannot-write", message).hint("create it, or choose another place"))
 }
 
 /// Writes diagnostics to standard error.

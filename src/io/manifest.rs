@@ -100,11 +100,12 @@ impl Manifest {
             max_edge: marker.max_edge,
             facets: measures.facets[id],
         });
+        let volumes = measures.by_part(complex, &scene.parts);
         let regions = scene.parts.enumerate().map(|(id, part)| RegionEntry {
             region: number(id.index()),
             part: part.name.clone(),
             material: part.material.clone(),
-            volume: complex.regions.enumerate().filter(|(_, r)| r.part == Some(id)).map(|(r, _)| measures.volumes[r]).sum(),
+            volume: volumes[id],
             max_edge: part.max_edge,
             max_volume: part.max_volume,
             seeds: plc.seeds.iter().filter(|s| s.region == number(id.index())).map(|s| s.point.into()).collect(),

@@ -3,7 +3,8 @@
 use crate::brep::complex::{Complex, ComplexFacet};
 use crate::geom::Vec3;
 use crate::geom::dd::Dd;
-use crate::ids::{Id, IdVec, MarkerId, RegionId};
+use crate::ids::{Id, IdVec, MarkerId, PartId, RegionId};
+use crate::scene::model::Part;
 
 /// Sizes of a complex, in the scene's unit.
 #[derive(Clone, Debug, Default)]
@@ -14,6 +15,19 @@ pub struct Measures {
     pub areas: IdVec<MarkerId, f64>,
     /// Number of facets of each marker.
     pub facets: IdVec<MarkerId, usize>,
+}
+
+impl Measures {
+    /// Volume of each part of the complex that was measured, its pieces together.
+    pub fn by_part(&self, complex: &Complex, parts: &IdVec<PartId, Part>) -> IdVec<PartId, f64> {
+        let mut volumes: IdVec<PartId, f64> = parts.iter().map(|_| 0.0).collect();
+        for (region, volume) in complex.regions.iter().zip(&self.volumes) {
+            if let Some(part) = region.part {
+                volumes[part] += volume;
+            }
+        }
+        volumes
+    }
 }
 
 /// Measures a complex.

@@ -49,6 +49,7 @@
 mod acute;
 mod bands;
 mod bends;
+pub mod change;
 mod creases;
 mod features;
 pub mod forecast;

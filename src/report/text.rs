@@ -41,7 +41,7 @@ fn write_all(out: &mut String, r: &Report) -> fmt::Result {
     let c = r.counts;
     writeln!(
         out,
-        "{}: {} vertices, {} facets, {} triangles, {} regions, {} voids",
+        "{}: {} vertices, {} facets, {} triangles, {} pieces, {} voids",
         r.scene, c.vertices, c.facets, r.triangles, c.seeds, c.holes
     )?;
     writeln!(out, "\nparts")?;
