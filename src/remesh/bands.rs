@@ -46,7 +46,7 @@ impl Choice {
         let is_off = strips.off_vertices();
         let hot = strips.hot_points(&is_off);
         let cuts = strips.cuts(&hot);
-        let is_ruled: Vec<bool> = complex.facets.ids().map(|f| strips.is_ruled(f) && !strips.rulings(f).is_empty()).collect();
+        let is_strip: Vec<bool> = complex.facets.ids().map(|f| strips.is_strip(f)).collect();
         let Strips { is_modified, .. } = strips;
         let mut slides = Vec::new();
         let mut marks = Marks::new();
@@ -65,7 +65,7 @@ impl Choice {
             for piece in cut_facet(facet, &marks, &points) {
                 let is_near =
                     || hot.get(&FacetId::new(k)).is_some_and(|h| h.iter().any(|p| is_on_border(&piece, p, &points, reach)));
-                is_chosen.push(is_curved && if is_ruled[k] { is_near() } else { is_modified[k] });
+                is_chosen.push(is_curved && if is_strip[k] { is_near() } else { is_modified[k] });
                 facets.push(piece);
             }
         }
@@ -94,7 +94,7 @@ impl Strips<'_> {
         let mut hot: BTreeMap<FacetId, Vec<Vec3>> = BTreeMap::new();
         for (id, facet) in self.complex.facets.enumerate() {
             let off: Vec<Vec3> = facet.loops.iter().flatten().filter(|v| is_off[v.index()]).map(|&v| self.point(v)).collect();
-            if off.is_empty() || !self.is_ruled(id) {
+            if off.is_empty() || !self.is_strip(id) {
                 continue;
             }
             for ruling in self.rulings(id) {
@@ -102,7 +102,7 @@ impl Strips<'_> {
                 let feet = off.iter().map(|p| start + along * along.dot(&(p - start)));
                 let near = self.width(id, ruling) * LEAST_SIDE;
                 let feet: Vec<Vec3> = feet.zip(&off).filter(|(foot, p)| (foot - *p).norm() < near).map(|f| f.0).collect();
-                for beyond in self.around(ruling).filter(|&f| f != id && self.is_ruled(f)) {
+                for beyond in self.around(ruling).filter(|&f| f != id && self.is_strip(f)) {
                     hot.entry(beyond).or_default().extend(&feet);
                 }
             }

@@ -68,8 +68,14 @@ impl<'a> Strips<'a> {
         self.supports[self.complex.facets[facet].surface].is_some() && self.support(facet).is_none()
     }
 
+    /// Whether a facet is remeshed in bands: it lies between rulings, or beside one where the surface is known.
+    pub fn is_strip(&self, facet: FacetId) -> bool {
+        let least = if self.support(facet).is_some_and(Support::is_fitted) { 2 } else { 1 };
+        self.is_ruled(facet) && self.rulings(facet).len() >= least
+    }
+
     /// Whether the surface of a facet is straight in one direction.
-    pub fn is_ruled(&self, facet: FacetId) -> bool {
+    fn is_ruled(&self, facet: FacetId) -> bool {
         let Some(support) = self.support(facet) else { return false };
         let [a, b, c] = self.complex.facets[facet].triangles[0].map(|v| self.point(v));
         let foot = support.closest(&((a + b + c) / 3.0));
