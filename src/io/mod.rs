@@ -26,6 +26,7 @@ pub mod write_stl;
 use crate::diag::{Diagnostic, with_line_feeds};
 use crate::geom::lists::Lists;
 use std::borrow::Cow;
+use std::collections::HashMap;
 use std::path::Path;
 
 /// Largest surface file: what is longer has more facets than a leaf may have (STL takes some 250 bytes for one as text, 50 as
@@ -45,15 +46,24 @@ pub struct PolygonMesh {
     pub groups: Vec<String>,
 }
 
-impl PolygonMesh {
+/// The names of a file's groups in the order in which they come, while it is read.
+#[derive(Default)]
+struct Groups {
+    names: Vec<String>,
+    /// Looked up only: files may have as many groups as facets.
+    numbers: HashMap<String, u32>,
+}
+
+impl Groups {
     /// The number of the group of this name, which is added if there is none.
-    fn group_called(&mut self, name: &str) -> u32 {
-        // Files have few groups; those with thousands are read in one piece per group anyway.
-        let known = self.groups.iter().position(|g| g == name);
-        known.unwrap_or_else(|| {
-            self.groups.push(name.into());
-            self.groups.len() - 1
-        }) as u32
+    fn called(&mut self, name: &str) -> u32 {
+        if let Some(number) = self.numbers.get(name) {
+            return *number;
+        }
+        let number = self.names.len() as u32;
+        self.names.push(name.into());
+        self.numbers.insert(name.into(), number);
+        number
     }
 }
 

@@ -1,7 +1,7 @@
 //! Wavefront OBJ through `tobj`, in double precision. Objects and groups (`o`, `g`) become named sides; materials, normals
 //! and texture coordinates are passed over.
 
-use super::{FormatError, PolygonMesh, coordinates};
+use super::{FormatError, Groups, PolygonMesh, coordinates};
 use tobj::{LoadError, LoadOptions};
 
 /// Reads the text of an OBJ file.
@@ -12,7 +12,7 @@ pub fn read(text: &str) -> Result<PolygonMesh, FormatError> {
     let options = LoadOptions { ignore_points: true, ignore_lines: true, ..Default::default() };
     let (models, _) = tobj::load_obj_buf(&mut text.as_bytes(), &options, |_| Err(LoadError::OpenFileFailed))
         .map_err(|e| locate(text).unwrap_or_else(|| FormatError::new(0, e.to_string())))?;
-    let mut mesh = PolygonMesh::default();
+    let (mut mesh, mut groups) = (PolygonMesh::default(), Groups::default());
     for model in &models {
         let base = mesh.points.len();
         if base + model.mesh.positions.len() / 3 > u32::MAX as usize {
@@ -24,7 +24,7 @@ pub fn read(text: &str) -> Result<PolygonMesh, FormatError> {
             }
             mesh.points.push([p[0], p[1], p[2]]);
         }
-        let group = mesh.group_called(&model.name);
+        let group = groups.called(&model.name);
         let mut indices = model.mesh.indices.iter().map(|i| i + base as u32);
         // tobj gives no sizes if all are triangles.
         let sizes = &model.mesh.face_arities;
@@ -40,6 +40,7 @@ pub fn read(text: &str) -> Result<PolygonMesh, FormatError> {
             }
         }
     }
+    mesh.groups = groups.names;
     if let [only] = &mut mesh.groups[..]
         && only == tobj_default_name()
     {

@@ -2,7 +2,7 @@
 //! coordinates are passed over; the comments in which gsm writes names are read.
 
 use super::write_off::{FROM_HERE, MARKER};
-use super::{FormatError, PolygonMesh, coordinates};
+use super::{FormatError, Groups, PolygonMesh, coordinates};
 use crate::geom::lists::Lists;
 use std::collections::BTreeMap;
 
@@ -50,11 +50,10 @@ pub fn read(text: &str) -> Result<PolygonMesh, FormatError> {
         let (line, words) = next("a point")?;
         mesh.points.push(coordinates(words.split_ascii_whitespace(), line)?);
     }
-    let mut plain = Vec::new();
+    let (mut plain, mut groups) = (Vec::new(), Groups::default());
     for _ in 0..polygons {
         let (line, words) = next("a polygon")?;
-        let group = mesh.group_called(comments.name_at(line));
-        mesh.group_of.push(group);
+        mesh.group_of.push(groups.called(comments.name_at(line)));
         if plain_numbers(words, &mut plain)
             && let [size, walk @ ..] = &plain[..]
             && walk.len() == *size as usize
@@ -81,6 +80,7 @@ pub fn read(text: &str) -> Result<PolygonMesh, FormatError> {
         }
         mesh.polygons.push(polygon);
     }
+    mesh.groups = groups.names;
     Ok(mesh)
 }
 
@@ -163,6 +163,20 @@ mod tests {
         let mesh = read(&String::from_utf8(text).unwrap()).unwrap();
         assert_eq!(mesh.groups, ["iron|outer", "air|outer", "iron|air"]);
         assert_eq!([0, 1, 2].map(|g| mesh.group_of.iter().filter(|of| **of == g).count()), [6, 6, 2]);
+    }
+
+    /// Looked for one by one, so many names would take a minute.
+    #[test]
+    fn as_many_groups_as_polygons_are_read_at_once() {
+        let count = 300_000;
+        let mut text = format!("OFF\n3 {count} 0\n0 0 0\n1 0 0\n0 1 0\n");
+        for k in 0..count {
+            text += &format!("# marker {k} name{k}\n# from here marker {k}\n3 0 1 2\n");
+        }
+        let start = std::time::Instant::now();
+        let mesh = read(&text).unwrap();
+        assert!(mesh.groups.len() == count && mesh.group_of.last() == Some(&(count as u32 - 1)));
+        assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Stereolithography, text or binary: triangles, each with its own points. The solids of a text are groups by their names.
 
-use super::{FormatError, PolygonMesh, as_text, coordinates};
+use super::{FormatError, Groups, PolygonMesh, as_text, coordinates};
 
 /// Bytes before the triangles of a binary file, the last four being their number.
 const HEADER: usize = 84;
@@ -37,7 +37,6 @@ pub fn read(bytes: &[u8]) -> Result<PolygonMesh, FormatError> {
 }
 
 fn read_binary(bytes: &[u8], mesh: &mut PolygonMesh) -> Result<(), FormatError> {
-    let group = mesh.group_called(UNNAMED);
     for (k, triangle) in bytes.chunks_exact(TRIANGLE).enumerate() {
         let first = mesh.points.len() as u32;
         for corner in triangle[12..48].chunks_exact(12) {
@@ -49,13 +48,13 @@ fn read_binary(bytes: &[u8], mesh: &mut PolygonMesh) -> Result<(), FormatError> 
             mesh.points.push(point);
         }
         mesh.polygons.push([first, first + 1, first + 2]);
-        mesh.group_of.push(group);
+        mesh.group_of.push(0);
     }
     Ok(())
 }
 
 fn read_text(text: &str, mesh: &mut PolygonMesh) -> Result<(), FormatError> {
-    let (mut corners, mut name) = (0, UNNAMED);
+    let (mut corners, mut name, mut groups) = (0, UNNAMED, Groups::default());
     // The group of the present solid, once it has a facet.
     let mut group = None;
     for (k, line) in text.lines().enumerate() {
@@ -72,7 +71,7 @@ fn read_text(text: &str, mesh: &mut PolygonMesh) -> Result<(), FormatError> {
                 corners = 0;
                 let end = mesh.points.len() as u32;
                 mesh.polygons.push([end - 3, end - 2, end - 1]);
-                let number = group.unwrap_or_else(|| mesh.group_called(name));
+                let number = group.unwrap_or_else(|| groups.called(name));
                 mesh.group_of.push(number);
                 group = Some(number);
             }
@@ -84,6 +83,7 @@ fn read_text(text: &str, mesh: &mut PolygonMesh) -> Result<(), FormatError> {
             Some(word) => return Err(FormatError::new(k + 1, format!("unknown keyword '{word}'"))),
         }
     }
+    mesh.groups = groups.names;
     if corners != 0 { Err(FormatError::new(0, "the file ends within a facet")) } else { Ok(()) }
 }
 

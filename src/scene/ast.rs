@@ -2,10 +2,10 @@
 //!
 //! All fields are optional here and hold their text; [`super::reader`] says what is missing or wrong, with its place.
 
-use super::fields::{self, Stray, Written};
+use super::fields::{self, Name, Stray, Written};
 use super::source::{Field, Raw};
 use serde::Deserialize;
-use std::borrow::Cow;
+use serde::de::{EnumAccess, Error, VariantAccess};
 
 macro_rules! nodes {
     ($($name:ident { $($field:ident),* $(,)? })*) => {$(
@@ -22,8 +22,8 @@ macro_rules! nodes {
             }
         }
         impl<'a> Written<'a> for $name<'a> {
-            fn strays(&self) -> &[Stray<'a>] {
-                &self.strays
+            fn take_strays(&mut self, _: Raw<'a>) -> Vec<Stray<'a>> {
+                std::mem::take(&mut self.strays)
             }
         }
     )*};
@@ -33,11 +33,36 @@ macro_rules! nodes {
 macro_rules! kinds {
     ($($(#[$doc:meta])* $name:ident { $($kind:ident($content:ty)),* $(,)? })*) => {$(
         $(#[$doc])*
-        #[derive(Deserialize)]
-        pub(super) enum $name<'a> { $($kind(#[serde(borrow)] $content),)* }
+        pub(super) enum $name<'a> { $($kind($content),)* }
+        impl<'a> $name<'a> {
+            const KINDS: &'static [&'static str] = &[$(stringify!($kind)),*];
+        }
+        impl<'de: 'a, 'a> Deserialize<'de> for $name<'a> {
+            fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                struct Visitor;
+                impl<'de> serde::de::Visitor<'de> for Visitor {
+                    type Value = $name<'de>;
+                    fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                        f.write_str(stringify!($name))
+                    }
+                    fn visit_enum<A: EnumAccess<'de>>(self, data: A) -> Result<Self::Value, A::Error> {
+                        let (Name(found), content) = data.variant()?;
+                        match fields::kind_meant_by(found, $name::KINDS) {
+                            $(Some(stringify!($kind)) => content.newtype_variant().map($name::$kind),)*
+                            _ => Err(A::Error::unknown_variant(found, $name::KINDS)),
+                        }
+                    }
+                }
+                deserializer.deserialize_enum(stringify!($name), Self::KINDS, Visitor)
+            }
+        }
         impl<'a> Written<'a> for $name<'a> {
-            fn strays(&self) -> &[Stray<'a>] {
-                match self { $(Self::$kind(content) => content.strays(),)* }
+            fn take_strays(&mut self, raw: Raw<'a>) -> Vec<Stray<'a>> {
+                let (kind, mut strays) = match self {
+                    $(Self::$kind(content) => (stringify!($kind), content.take_strays(raw)),)*
+                };
+                strays.extend(Stray::kind(raw, kind, Self::KINDS));
+                strays
             }
         }
     )*};
@@ -129,7 +154,7 @@ kinds! {
         Mirror(Mirror<'a>),
         Linear(Linear<'a>),
         Polar(Polar<'a>),
-        Use(Cow<'a, str>),
+        Use(String),
     }
     /// Copies of a part.
     Copies {

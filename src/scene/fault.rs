@@ -18,10 +18,7 @@ pub(super) fn from_ron<'a>(error: SpannedError, source: &Source<'a>, raw: Raw<'a
     // Where the value begins that is of another kind: `raw`, or something in it that is no value at all.
     let value = source.span_at(base + byte_of(raw.0, error.span.start));
     match error.code {
-        Error::NoSuchEnumVariant { expected, found, .. } => {
-            let diagnostic = Diagnostic::error("unknown-kind", format!("unknown kind `{found}`"));
-            with_names(diagnostic.at(name_at(&found)), &found, expected.iter().copied())
-        }
+        Error::NoSuchEnumVariant { expected, found, .. } => unknown_kind(&found, expected).at(name_at(&found)),
         Error::ExceededRecursionLimit => Diagnostic::error("too-deep", "the scene is nested too deeply")
             .at(here)
             .hint("name inner solids in `solids` and refer to them with Use(\"name\")"),
@@ -120,6 +117,11 @@ fn byte_of(text: &str, position: Position) -> usize {
     };
     let line = &text[line_start..];
     line_start + line.char_indices().nth(position.col.saturating_sub(1)).map_or(line.len(), |(at, _)| at)
+}
+
+/// The fault of a kind that is none of `known`, without its place.
+pub(super) fn unknown_kind(found: &str, known: &[&str]) -> Diagnostic {
+    with_names(Diagnostic::error("unknown-kind", format!("unknown kind `{found}`")), found, known.iter().copied())
 }
 
 /// Adds what may stand there, the nearest name first.

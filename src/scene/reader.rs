@@ -98,10 +98,10 @@ impl<'a> Reader<'a> {
 
     /// A value of type `T`.
     pub fn read<T: Written<'a>>(&mut self, raw: Raw<'a>) -> Option<T> {
-        let value: T = self.source.read(raw).map_err(|diagnostic| self.fault(diagnostic)).ok()?;
-        for stray in value.strays() {
+        let mut value: T = self.source.read(raw).map_err(|diagnostic| self.fault(diagnostic)).ok()?;
+        for stray in value.take_strays(raw) {
             let span = self.span(stray.name);
-            self.fault(stray.fault().at(span));
+            self.fault(stray.fault.at(span));
         }
         Some(value)
     }
