@@ -191,6 +191,27 @@ fn other_facets_than_strips_of_known_cylinders_are_remeshed() {
     assert!(angle > 30.0 && below == 0.0 && count < 500, "fitted: {angle}, {count}");
 }
 
+/// Where a thin strut goes through a shell of coarse facets, its corners move by more than its strips are wide: bands reach
+/// there, and chords go together. Once they met the strips that stay, and sphere facets that were home already, so that it took
+/// three attempts. Of strips that were planar to rounding two triangles were made, which were remeshed in their whole length,
+/// with needles of 0.0007 degrees.
+#[test]
+fn a_thin_strut_goes_through_a_coarse_shell() {
+    let scene = r#"Scene(units: "m", discretization: (segments: 48), parts: [
+        Part(name: "dish", solid: Difference([
+            Intersection([Sphere(radius: 2, center: (0, 0, 2)), Cylinder(radius: 1, height: 1, base: (0, 0, -0.1))]),
+            Sphere(radius: 1.99, center: (0, 0, 2)),
+        ])),
+        Part(name: "strut", solid: Rotate(axis: Z, angle: 120, solid: Sweep(
+            profile: Circle(radius: 0.01),
+            path: Path(start: (0.8, 0.1), segments: [Line(to: (0.09, 1.05))], closed: false),
+            axis: (0, -1, 0), x_axis: X,
+        ))),
+    ])"#;
+    let (least, below, count) = shape("strut", "interfaces", scene);
+    assert!(least > 16.0 && below < 0.012 && count < 12_000, "{least} {below} {count}");
+}
+
 /// The line along which a rod touches a wall is a loose segment of the wall's polygon; with vertices of the rod on it, too.
 #[test]
 fn a_wall_that_touches_a_rod_stays_whole() {

@@ -26,7 +26,8 @@ pub fn vector_area<'a>(loops: impl IntoIterator<Item = &'a [u32]>, points: &[Vec
 }
 
 /// Whether all vertices lie within `flatness` of a plane: that of the polygon's area, or, since the area of a thin ring is
-/// small and its direction uncertain, that of three vertices far apart.
+/// small and its direction uncertain, that of three vertices far apart, by the two shorter sides of their triangle: the product
+/// of the longer ones, nearly parallel in a thin strip, is uncertain by more than `flatness`.
 pub fn is_planar(loops: &[&[u32]], points: &[Vec3], flatness: f64) -> bool {
     let all = || loops.iter().flat_map(|l| l.iter()).map(|&v| points[v as usize]);
     let Some(first) = all().next() else { return true };
@@ -39,7 +40,9 @@ pub fn is_planar(loops: &[&[u32]], points: &[Vec3], flatness: f64) -> bool {
     let across = || {
         let second = farthest(&|p| (p - first).norm_squared());
         let third = farthest(&|p| (second - first).cross(&(p - first)).norm_squared());
-        (second - first).cross(&(third - first))
+        let mut sides = [second - first, third - second, first - third];
+        sides.sort_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared()));
+        sides[0].cross(&sides[1])
     };
     is_along(vector_area(loops.iter().copied(), points)) || is_along(across())
 }
@@ -272,6 +275,22 @@ mod tests {
         bent[6].x += 1e-3;
         bent[6].z += 1e-9;
         assert!(!is_planar(&loops, &bent, 4.0 * f64::EPSILON * 100.0));
+    }
+
+    /// A strip of a thin strut, turned and cut, became two needles: the product of two vectors along it was uncertain.
+    #[test]
+    fn a_thin_strip_is_planar_as_far_as_its_corners_are() {
+        let points = [
+            Vec3::new(-0.03604427527632857, 0.07657265172433077, 1.0457669047150178),
+            Vec3::new(-0.036550548941123584, 0.07548263639073328, 1.0452505896231452),
+            Vec3::new(-0.3663535714960995, 0.6467182279457359, 0.16267912081405486),
+            Vec3::new(-0.3659164174638821, 0.6479279619947584, 0.16301046787508575),
+        ];
+        let flatness = 4.0 * f64::EPSILON;
+        assert!(is_planar(&[&[0, 1, 2, 3]], &points, flatness));
+        let mut bent = points;
+        bent[3].z += 1e-13;
+        assert!(!is_planar(&[&[0, 1, 2, 3]], &bent, flatness));
     }
 
     #[test]

@@ -16,15 +16,21 @@ use super::strips::{Edge, Strips};
 use crate::brep::complex::{Complex, ComplexFacet, ComplexVertex};
 use crate::geom::Vec3;
 use crate::geom::segment::distance_to;
-use crate::ids::{FacetId, Id, IdVec, VertexId};
+use crate::ids::{FacetId, Id, IdVec, SurfaceId, VertexId};
+use crate::patch::curve::project_on_all;
+use crate::patch::support::Support;
 use crate::primitive::solid::Freedom;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 /// Depth of a band in widths of its strip: a row of nearly equilateral triangles.
 const DEPTH: f64 = 1.0;
 /// Bands nearer than this many widths to each other or to the end of their ruling reach it: what lay between would be shorter
 /// than wide.
 const LEAST_REST: f64 = 1.0;
+/// Room in a band beyond the true place of its corner, in widths of its strip: where a thin rod crosses a coarse surface, corners
+/// move by more than the rod's strips are wide, and would meet the strips that stay.
+const ROOM: f64 = 0.5;
 /// A corner nearer to a ruling than this many widths asks for work in the strip beyond, too.
 const LEAST_SIDE: f64 = 0.5;
 
@@ -63,8 +69,9 @@ impl Choice {
         for (k, facet) in std::mem::take(&mut complex.facets).into_iter().enumerate() {
             let is_curved = supports[facet.surface].is_some();
             for piece in cut_facet(facet, &marks, &points) {
-                let is_near =
-                    || hot.get(&FacetId::new(k)).is_some_and(|h| h.iter().any(|p| is_on_border(&piece, p, &points, reach)));
+                let is_near = || {
+                    hot.get(&FacetId::new(k)).is_some_and(|h| h.iter().any(|p| is_on_border(&piece, &p.now, &points, reach)))
+                };
                 is_chosen.push(is_curved && if is_strip[k] { is_near() } else { is_modified[k] });
                 facets.push(piece);
             }
@@ -80,6 +87,13 @@ fn is_on_border(facet: &ComplexFacet, point: &Vec3, points: &[Vec3], reach: f64)
     edges.any(|edge| distance_to(point, edge) <= reach)
 }
 
+/// A point around which a strip is remeshed, and where it belongs.
+#[derive(Clone, Copy)]
+struct Hot {
+    now: Vec3,
+    home: Vec3,
+}
+
 /// A new vertex of a ruling.
 struct Cut {
     at: Vec3,
@@ -90,18 +104,21 @@ struct Cut {
 impl Strips<'_> {
     /// By facet: the points around which it is remeshed. Corners off the true surface; where one is near a ruling, its foot
     /// there for the strip beyond.
-    fn hot_points(&self, is_off: &[bool]) -> BTreeMap<FacetId, Vec<Vec3>> {
-        let mut hot: BTreeMap<FacetId, Vec<Vec3>> = BTreeMap::new();
+    fn hot_points(&self, is_off: &[bool]) -> BTreeMap<FacetId, Vec<Hot>> {
+        let mut hot: BTreeMap<FacetId, Vec<Hot>> = BTreeMap::new();
+        let homes = self.homes(is_off);
         for (id, facet) in self.complex.facets.enumerate() {
-            let off: Vec<Vec3> = facet.loops.iter().flatten().filter(|v| is_off[v.index()]).map(|&v| self.point(v)).collect();
+            let off = facet.loops.iter().flatten().filter(|v| is_off[v.index()]);
+            let off: Vec<Hot> = off.map(|v| Hot { now: self.point(*v), home: homes[v] }).collect();
             if off.is_empty() || !self.is_strip(id) {
                 continue;
             }
             for ruling in self.rulings(id) {
                 let (start, along, _) = self.line(ruling);
-                let feet = off.iter().map(|p| start + along * along.dot(&(p - start)));
+                let foot = |p: &Vec3| start + along * along.dot(&(p - start));
+                let feet = off.iter().map(|p| Hot { now: foot(&p.now), home: foot(&p.home) });
                 let near = self.width(id, ruling) * LEAST_SIDE;
-                let feet: Vec<Vec3> = feet.zip(&off).filter(|(foot, p)| (foot - *p).norm() < near).map(|f| f.0).collect();
+                let feet: Vec<Hot> = feet.zip(&off).filter(|(foot, p)| (foot.now - p.now).norm() < near).map(|f| f.0).collect();
                 for beyond in self.around(ruling).filter(|&f| f != id && self.is_strip(f)) {
                     hot.entry(beyond).or_default().extend(&feet);
                 }
@@ -111,8 +128,26 @@ impl Strips<'_> {
         hot
     }
 
+    /// Where corners off the true surface belong: on all curved surfaces there.
+    fn homes(&self, is_off: &[bool]) -> BTreeMap<VertexId, Vec3> {
+        let mut surfaces: BTreeMap<VertexId, BTreeSet<SurfaceId>> = BTreeMap::new();
+        for facet in self.complex.facets.iter() {
+            for &v in facet.loops.iter().flatten().filter(|v| is_off[v.index()]) {
+                surfaces.entry(v).or_default().insert(facet.surface);
+            }
+        }
+        let home = |(v, surfaces): (VertexId, BTreeSet<SurfaceId>)| {
+            let supports: Vec<Arc<Support>> = surfaces.into_iter().filter_map(|s| self.supports[s].clone()).collect();
+            // Fitted patches know no place that far away.
+            let is_exact = supports.iter().all(|s| !s.is_fitted());
+            let home = is_exact.then(|| project_on_all(&self.point(v), &supports)).flatten();
+            (v, home.unwrap_or(self.point(v)))
+        };
+        surfaces.into_iter().map(home).collect()
+    }
+
     /// New vertices of the rulings, in their order from the ruling's smaller end.
-    fn cuts(&self, hot: &BTreeMap<FacetId, Vec<Vec3>>) -> BTreeMap<Edge, Vec<Cut>> {
+    fn cuts(&self, hot: &BTreeMap<FacetId, Vec<Hot>>) -> BTreeMap<Edge, Vec<Cut>> {
         let mut bands: BTreeMap<Edge, (f64, Vec<[f64; 2]>)> = BTreeMap::new();
         for (&facet, points) in hot {
             for ruling in self.rulings(facet) {
@@ -121,7 +156,11 @@ impl Strips<'_> {
                 let around = |p: &Vec3| along.dot(&(p - start));
                 let (deepest, list) = bands.entry(ruling).or_default();
                 *deepest = deepest.max(depth);
-                let bands = points.iter().map(around).map(|s| [s - depth, s + depth]);
+                let band = |p: &Hot| {
+                    let (now, home) = (around(&p.now), around(&p.home));
+                    [(now - depth).min(home - ROOM * depth), (now + depth).max(home + ROOM * depth)]
+                };
+                let bands = points.iter().map(band);
                 list.extend(bands.filter(|b| b[1] > 0.0 && b[0] < length));
             }
         }

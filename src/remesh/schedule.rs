@@ -40,6 +40,10 @@ const LEAST_SPLIT: f64 = 0.5;
 /// Wanted length over that of the chords of a curve which stay. The chord's relative length, 0.8, is in the middle of what is
 /// neither split nor collapsed.
 const PER_CHORD: f64 = 1.25;
+/// Way home of a vertex, in lengths of its shortest chord, past which it is sent on after the vertices beside it have gone, and
+/// how often: facets beside a chord whose ends go so far one after the other would stand upright.
+const FAR: f64 = 0.5;
+const SETTLE_SWEEPS: usize = 8;
 /// How often the ends of the halves of a chord are moved to the middle of their neighbours; then little is left to be gained.
 const EVEN_STEPS: usize = 4;
 /// Least drop of such a deviation for which an edge is swapped.
@@ -92,6 +96,7 @@ impl Workpiece {
     /// guess.
     pub fn run(&mut self, limits: &Limits) -> bool {
         self.settle();
+        self.settle_chains();
         for round in 0..ROUNDS {
             self.renew_sizes(limits);
             // Curves first: what lies between them adapts, and needles that still span a strip do not hold its rims.
@@ -413,6 +418,20 @@ impl Workpiece {
         for v in self.active_vertices() {
             self.relocate_towards(v, Aim::Home);
         }
+    }
+
+    /// Brings vertices home that the chords beside them held back.
+    fn settle_chains(&mut self) {
+        let mut left = self.active_vertices();
+        for _ in 0..SETTLE_SWEEPS {
+            left.retain(|&v| self.is_far(v) && self.relocate_towards(v, Aim::Home));
+        }
+    }
+
+    /// Whether a vertex of features is further from home than its chords are long.
+    fn is_far(&self, vertex: VertexId) -> bool {
+        let shortest = self.chords_at(vertex).map(|e| self.length(e)).fold(f64::INFINITY, f64::min);
+        self.true_place(vertex).is_some_and(|home| (home - self.point(vertex)).norm() > FAR * shortest)
     }
 
     /// Moves every vertex to the middle of its neighbours.

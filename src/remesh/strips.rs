@@ -28,7 +28,7 @@ fn modified_or_beside(complex: &Complex) -> Vec<bool> {
 /// The strips of ruled surfaces in a complex.
 pub(super) struct Strips<'a> {
     pub complex: &'a Complex,
-    supports: &'a Supports,
+    pub supports: &'a Supports,
     /// Every edge with its facets, sorted.
     facets_of_edge: Vec<(Edge, FacetId)>,
     /// What counts as no distance.
