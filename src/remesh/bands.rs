@@ -3,6 +3,7 @@
 //! A strip of a cylinder or cone is as long as its side. Where an intersection of facets cuts it, its end is a zigzag about the
 //! true curve: corners where the *other* surface's rulings pass lie in the strip's plane, off the true surface. Only these
 //! corners ask for work. A cut along a ruling, or across whole rulings, leaves planar strips with corners on the true surface.
+//! Where a thin rod crosses coarse facets, corners belong several widths off, and bands reach there.
 //!
 //! ```text
 //! ruling ──────────┬───╲        ┬ new vertices, shared with the neighbouring strips, one width from the intersection:

@@ -8,8 +8,9 @@
 //! 2. What is remeshed: all curved facets but strips beside thin gaps (`kept`), or those near curves that an intersection made;
 //!    strips are cut across there (`bands`). These facets are divided into triangles (`Brep::divide_facet`).
 //! 3. Feature edges (`features`) are chained between corners; every chain gets its true curve, every vertex its place: corner,
-//!    on a curve, on a surface. A vertex of an intersection is projected on all surfaces at once. Facets between curves that
-//!    coincide on the true surfaces stay as evaluated (`pinches`).
+//!    on a curve, on a surface. A vertex of an intersection is projected on all surfaces at once; where its way home is longer
+//!    than its chords, it goes there together with its neighbours. Facets between curves that coincide on the true surfaces stay
+//!    as evaluated (`pinches`).
 //! 4. Sizes (`sizing`): the edge length whose chord has the allowed deviation, limited by parts and thin gaps, graded.
 //! 5. Rounds (`schedule`): collapse chords of curves that are too short; split what is too long, longest first and rulings
 //!    before what crosses them, with swaps around each new vertex; collapse what is too short, shortest first; bring vertices
@@ -19,11 +20,12 @@
 //!    the smallest angle around most.
 //! 7. Thin out: collapse what shape and deviation do not need; split what still deviates too far, the halves of a chord evened
 //!    out with its neighbours; polish.
-//! 8. Obtuse triangles that are left: trials that begin with a step back, kept if the angles gain (`acute`).
+//! 8. Obtuse triangles that are left: trials that begin with a step back, kept if the angles gain (`acute`); passes allow ever
+//!    smaller angles for it.
 //! 9. Neighbouring facets almost in one plane are brought into it, or turned clear of it (`bends`), and become polygons.
 //! 10. Planar facets get new triangulations, and an exact test proves that nothing meets anything (`verify`). Surfaces at fault
-//!     are remeshed again with half the deviation, then without their facets there, as where needles are left; if nothing
-//!     helps, the complex stays as evaluated.
+//!     are remeshed again with half the deviation, then (at once if the attempt had to be broken off) without their facets
+//!     there, as where needles are left; if nothing helps, the complex stays as evaluated.
 //! 11. On a copy from before it had polygons, edges and triangles with a vertex in their smallest sphere, which TetGen would
 //!     split, are cleared of it (`sight`). The copy is taken if nothing is at fault that was not before.
 //!     Polygons get no corners that are straight but for rounding, of which TetGen would die: these are moved out by a trace,
